@@ -531,7 +531,7 @@ static_assert(sizeof(LineVertex) == 32);
 PELT_BLOCK LineVertexBlock { LineVertex vertex[kStrandsPerChunk][kRibbonPoints]; };
 
 // What lights a layer: its surroundings as spherical harmonics of the radiance, and what is shaded
-// with by itself (core/lighting.hpp). Colours are linear.
+// with by itself (core/surroundings.hpp). Colours are linear.
 PELT_BLOCK LayerLightBlock {
   float harmonics[3][kHarmonics];  // red, green, blue; order 00, 1-1, 10, 11, 2-2 .. 22, 3-3 .. 33
   float ambient[3];                // mean radiance

@@ -51,6 +51,10 @@ std::string InFolder(const std::string& folder, const std::string& name);
 // The name without folder and ending.
 std::string StemOf(const std::string& path);
 
+// Of a program that has no files of its own, WebAssembly in a page (given_files.cpp): whoever runs it hands over their
+// bytes, and the functions above find them by the same path. In place of what was given by this path before.
+void GiveFile(const std::string& path, std::vector<std::byte> bytes);
+
 inline std::string_view AsText(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }

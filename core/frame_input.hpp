@@ -7,10 +7,8 @@
 #include <string_view>
 
 #include "core/chunk.hpp"
-#include "core/lighting.hpp"
-#include "core/paint_brush.hpp"
+#include "core/surroundings.hpp"
 #include "core/view.hpp"
-#include "core/wind_setup.hpp"
 
 namespace pelt {
 

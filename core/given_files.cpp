@@ -1,6 +1,4 @@
 // core/file_bytes.hpp where there is no file system: WebAssembly.
-#include "core/given_files.hpp"
-
 #include <map>
 
 #include "core/file_bytes.hpp"

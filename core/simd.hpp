@@ -8,8 +8,7 @@
 //   simd/vec.hpp        Vec<Isa>, its Mask and Int
 //   simd/array_vec.hpp  ArrayVec<N>: the same on plain arrays
 //   simd/maths.hpp      Floor, Rsqrt, Sqrt; Vec3 and unit frames
-//   simd/lanes.hpp      lanes of a row, side by side or picked
-//   simd/records.hpp    16-byte records to columns and back
+//   simd/records.hpp    16-byte records to columns and back; lanes of a row, side by side or picked
 //   simd/words.hpp      scalar words, for sorting
 //
 // What breaks if the rules are ignored:
@@ -25,7 +24,6 @@
 #pragma once
 
 #include "core/simd/array_vec.hpp"
-#include "core/simd/lanes.hpp"
 #include "core/simd/maths.hpp"
 #include "core/simd/records.hpp"
 #include "core/simd/vec.hpp"

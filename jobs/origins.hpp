@@ -25,7 +25,7 @@ struct CharacterOrigin {
   float shift[3] = {};  // from the last frame's to that
   bool shifted = false, was_shifted = false;
 
-  // All of it, for an archive (jobs/state_bytes.hpp).
+  // All of it, for an archive (jobs/scene_snapshot.cpp).
   static void ListState(auto& io, auto& self) {
     io(self.used);
     io(self.shift);

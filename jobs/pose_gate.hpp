@@ -68,7 +68,7 @@ class PoseGate {
 
   // What it remembers of earlier frames, from the gate of a scene of the same grooms.
   void CopyStateFrom(const PoseGate& other);
-  // The same for an archive (jobs/state_bytes.hpp), but for the poses that were refused.
+  // The same for an archive (jobs/scene_snapshot.cpp), but for the poses that were refused.
   static void ListState(auto& io, auto& self) {
     for (auto& character : self.characters_) {
       io(character.had_pose);

@@ -9,7 +9,6 @@
 #include "core/float_environment.hpp"
 #include "core/float_rules.hpp"
 #include "core/format.hpp"
-#include "core/groom/fur_texture.hpp"
 #include "core/groom/patch_index.hpp"
 #include "core/kernels/frame_params.hpp"
 #include "core/kernels/frame_table.hpp"

@@ -27,7 +27,7 @@
 #include "core/isa.hpp"
 #include "core/streams.hpp"
 #include "jobs/carried_state.hpp"
-#include "jobs/collider_course.hpp"
+#include "jobs/colliders.hpp"
 #include "jobs/draws.hpp"
 #include "jobs/frame.hpp"
 #include "jobs/lod_budget.hpp"

@@ -9,7 +9,7 @@
 #include "core/kernels/frame_params.hpp"
 #include "core/layer_block.hpp"
 #include "core/modal/quality_on_screen.hpp"
-#include "jobs/place_capsules.hpp"
+#include "jobs/colliders.hpp"
 #include "jobs/scene.hpp"
 
 namespace pelt {

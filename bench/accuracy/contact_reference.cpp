@@ -1,8 +1,8 @@
-#include "bench/accuracy/contact_reference.hpp"
-
+// Chains that touch things.
 #include <algorithm>
 #include <cmath>
 
+#include "bench/accuracy/reference_integrator.hpp"
 #include "core/error.hpp"
 
 namespace pelt::accuracy {

@@ -1,26 +1,66 @@
-// The exact motion of a CurveStrand on a moving body, in double.
-//
-// The idea: explicit methods would need a million steps a second for the fastest modes of a rod. So the
-// linear part is moved exactly, mode by mode, under the cubic that has the body's poses and velocities at
-// both ends of a step; the lengths are brought back by Newton's method to the end, along the middle of each
-// vector's turn; velocities are made tangent after every step. It is the modal step (core/kernels/
-// modal_step.hpp) without its short cuts.
-//
-// Invariant: of second order in the step. Halving steps of 1/1920 s must not change an error by more than
-// 0.1 % of itself, and a Runge-Kutta method that shares nothing with it must agree (tests/accuracy).
+// Models of a hair in the form in which they are compared, and their exact motion on a moving body, in double.
 #pragma once
 
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "bench/accuracy/body_motion.hpp"
 #include "bench/accuracy/chain_problem.hpp"
-#include "bench/accuracy/curve_strand.hpp"
+#include "bench/accuracy/small_matrix.hpp"
 #include "core/modal/modal_response.hpp"
+#include "core/modal/node_model.hpp"
 
 namespace pelt::accuracy {
 
-// How a strand lies on its body, as a curve.
+// ---- The model -------------------------------------------------------------------------------
+
+// A strand as n unit vectors. They stand for the links of a chain, or for tangents at the nodes of a curve.
+//
+//     M d'' + c M d' + beta K (d' - r') + K (d - r) = b (g + c u - x0'' - c x0') - m (r0'' + c r0')
+//                                                     + Lambda d,   |d_i| = 1
+//     x(s) = p(s) + L sum over i of X_i(s) (d_i - r_i)
+//
+// r0 is the clamp's own tangent, m its share of the inertia (0 of links), p the rest curve.
+//
+// Units: length 1, mass 1, first bending frequency of the rod 1 rad/s.
+
+inline constexpr size_t kMostUnknowns = 16;
+using UnknownMatrix = SquareMatrix<kMostUnknowns>;
+using UnknownRow = std::array<double, kMostUnknowns>;
+
+// Where models are compared: at 1/3, 2/3 and the tip.
+inline constexpr size_t kComparedPoints = 3;
+
+// A place at which a curve's bend is looked at, and its share of the whole.
+struct BendPlace {
+  double s, weight;
+  UnknownRow tangent{}, bend{};  // N_i(s), N_i'(s)
+};
+
+struct CurveStrand {
+  std::string name;
+  int count;  // n
+  UnknownMatrix mass{}, stiffness{};
+  UnknownRow pull{}, clamp{};                       // b, m
+  std::array<UnknownRow, kComparedPoints> place{};  // X_i at the compared points
+  UnknownRow at{};                                  // where the rest curve has rest direction i
+  std::vector<BendPlace> bends{};                   // none of links
+};
+
+// n links with the coefficients of layers (3, 4 and 8), or of the midpoint rule.
+CurveStrand LinksOfStrand(int links);
+// Nodes of core/modal/node_model.hpp.
+template <size_t N>
+CurveStrand NodesOfStrand(std::string name, const NodePlaces<N>& places);
+// The rod itself: polynomials of degree 10 on Radau's nodes.
+CurveStrand RodOfStrand();
+// X_i of the rod at s.
+UnknownRow RodPlaceAt(double s);
+// Of degree 8: how far the rod has converged.
+CurveStrand CoarseRodOfStrand();
+
+// ---- How it lies on its body -----------------------------------------------------------------
 
 // How a strand grows from its body; s from 0, its root, to 1, its tip.
 struct RestShape {
@@ -52,6 +92,19 @@ struct StrandWeight {
   Double3 held = kZero3;
 };
 
+// ---- Its motion ------------------------------------------------------------------------------
+
+// The exact motion of a CurveStrand.
+//
+// The idea: explicit methods would need a million steps a second for the fastest modes of a rod. So the
+// linear part is moved exactly, mode by mode, under the cubic that has the body's poses and velocities at
+// both ends of a step; the lengths are brought back by Newton's method to the end, along the middle of each
+// vector's turn; velocities are made tangent after every step. It is the modal step (core/kernels/
+// modal_step.hpp) without its short cuts.
+//
+// Invariant: of second order in the step. Halving steps of 1/1920 s must not change an error by more than
+// 0.1 % of itself, and a Runge-Kutta method that shares nothing with it must agree (tests/accuracy).
+
 using UnknownVectors = std::array<Double3, kMostUnknowns>;
 
 // The strand's equation, in lengths of the strand and seconds.
@@ -64,7 +117,8 @@ class CurveDynamics {
   double length() const { return length_; }
   const UnknownVectors& rest() const { return rest_; }
   // What a curl that turns with the strand pulls beyond one that turns with the root: the slope of the energy
-  // B/2 int |t' - R r'|^2, R the smallest rotation from the rest tangent to the tangent, less that of B/2 int |t' - r'|^2.
+  // B/2 int |t' - R r'|^2, R the smallest rotation from the rest tangent to the tangent, less that of
+  // B/2 int |t' - r'|^2.
   UnknownVectors CurlLoad(const BodyPose& pose, const UnknownVectors& d) const;
   bool curls() const { return curl_ == CurlModel::kParent; }
   // Directions in which it hangs still on the body in that pose.

@@ -1,11 +1,9 @@
-#include "bench/accuracy/curve_strand.hpp"
-
+// Links, nodes and the rod as a CurveStrand.
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "bench/accuracy/chain_problem.hpp"
-#include "core/modal/node_model.hpp"
+#include "bench/accuracy/curve_motion.hpp"
 
 namespace pelt::accuracy {
 namespace {

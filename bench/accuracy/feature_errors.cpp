@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 
-#include "bench/accuracy/contact_reference.hpp"
+#include "bench/accuracy/reference_integrator.hpp"
 #include "bench/accuracy/solver_run.hpp"
 #include "core/random.hpp"
 

@@ -5,7 +5,7 @@
 // at each; the same again with half as many frames shows what that reference is good to
 // (self_error). It knows all features, but its contact is the kernel's own. So where strands touch
 // spheres, capsules and the ground there is another, which shares nothing with the kernel
-// (contact_reference.hpp). As with free strands, an error is a share of the secondary motion:
+// (ContactReference). As with free strands, an error is a share of the secondary motion:
 // RMS(x - reference) / RMS(reference - rigid). What overlaps from the start has no motion that is
 // right: there the row says how fast strands are.
 //

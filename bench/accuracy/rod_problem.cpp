@@ -1,11 +1,10 @@
-#include "bench/accuracy/rod_problem.hpp"
-
+// What models are measured on.
 #include <algorithm>
 #include <array>
 #include <vector>
 
 #include "bench/accuracy/body_angles.hpp"
-#include "bench/accuracy/drawn_problem.hpp"
+#include "bench/accuracy/model_error.hpp"
 #include "core/random.hpp"
 
 namespace pelt::accuracy {

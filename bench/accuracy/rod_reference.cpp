@@ -1,8 +1,9 @@
-#include "bench/accuracy/rod_reference.hpp"
-
+// The rod among walls.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+
+#include "bench/accuracy/rod_contact.hpp"
 
 namespace pelt::accuracy {
 namespace rod {
@@ -56,7 +57,7 @@ struct Contact {
   Double3 rub = kZero3;  // what acts along the wall
 };
 
-struct Chain {
+struct RodChain {
   size_t links;
   double link;       // length
   Vectors rest;      // directions
@@ -64,7 +65,8 @@ struct Chain {
   LowerMatrix mass;
   std::vector<double> pull;  // b: of a load on the whole rod
 
-  Chain(const RestCurve& curve, int n) : links(size_t(n)), link(1.0 / n), bend(links), mass(links) {
+  RodChain(const RestCurve& curve, int n)
+      : links(size_t(n)), link(1.0 / n), bend(links), mass(links) {
     for (size_t i = 0; i < links; ++i) {
       const double middle = (double(i) + 0.5) * link;
       rest.push_back(curve.TangentAt(middle));
@@ -113,7 +115,7 @@ class Least {
     double penalty = 3e4, balanced = 1e-6, deepest = 1e-5;
   };
 
-  Least(const Chain& chain, size_t walls, Limits limits)
+  Least(const RodChain& chain, size_t walls, Limits limits)
       : chain_(chain), n_(chain.links), limits_(limits), matrix_(n_), load_(n_, kZero3) {
     for (size_t wall = 0; wall < walls; ++wall)
       for (size_t p = 1; p <= 2 * n_; ++p)
@@ -281,7 +283,7 @@ class Least {
     return false;
   }
 
-  const Chain& chain_;
+  const RodChain& chain_;
   size_t n_;
   Limits limits_;
   LowerMatrix matrix_;
@@ -300,7 +302,7 @@ void AddTimes(const LowerMatrix& a, const Vectors& x, double share, Vectors& to)
 }
 
 // What is pulled by the groom and by `load`.
-Vectors LoadOf(const Chain& chain, Double3 load) {
+Vectors LoadOf(const RodChain& chain, Double3 load) {
   Vectors to(chain.links);
   for (size_t i = 0; i < chain.links; ++i) to[i] = load * chain.pull[i];
   AddTimes(chain.bend, chain.rest, 1.0, to);
@@ -347,7 +349,7 @@ Double3 RodShape::At(double s) const {
 
 RodShape FindRest(const RodAmongWalls& rod, int links) {
   constexpr int kStages = 12, kRoundsOnTheWay = 3;
-  const Chain chain(rod.rest, links);
+  const RodChain chain(rod.rest, links);
   Least least(chain, rod.walls.size(), {});
   least.matrix() = chain.bend;
   bool rests = true;
@@ -407,7 +409,7 @@ class RodMotion::Body {
     return limits;
   }
 
-  Chain chain_;
+  RodChain chain_;
   RodDamping damping_;
   double step_;
   Vectors pull_;

@@ -1,9 +1,9 @@
-#include "bench/accuracy/rod_strike.hpp"
-
+// Strands and a rod that a ball strikes.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "bench/accuracy/rod_contact.hpp"
 #include "bench/accuracy/solver_run.hpp"
 #include "core/error.hpp"
 #include "core/modal/modal_material.hpp"

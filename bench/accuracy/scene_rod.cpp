@@ -1,5 +1,4 @@
-#include "bench/accuracy/scene_rod.hpp"
-
+// A scene's strands off their rods.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -7,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "bench/accuracy/scene_precision.hpp"
 #include "core/error.hpp"
 #include "core/modal/rest_curl.hpp"
 

@@ -1,5 +1,4 @@
-#include "bench/accuracy/scene_stress.hpp"
-
+// What whole scenes survive.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,6 +6,7 @@
 #include <functional>
 
 #include "bench/accuracy/double3.hpp"
+#include "bench/accuracy/stress.hpp"
 #include "bench/scenarios/scenarios.hpp"
 #include "jobs/frame.hpp"
 
@@ -20,7 +20,7 @@ constexpr uint32_t kMoving = 120;   // from it on until all rests
 constexpr uint32_t kResting = 300;
 
 // Points of a strand from its root, in lengths of the strand; and those of its groom.
-struct Strand {
+struct SceneStrand {
   double length;  // m
   std::vector<Double3> point, groom;
 };
@@ -31,7 +31,7 @@ Double3 At(const float (&rows)[3][kStrandsPerChunk], uint32_t lane) {
 
 template <uint32_t kPoints>
 void ReadStrand(const RootBlock& roots, const RestBlock<kPoints>& rest,
-                const PointBlock<kPoints>& points, double scale, uint32_t lane, Strand& out) {
+                const PointBlock<kPoints>& points, double scale, uint32_t lane, SceneStrand& out) {
   const Double3 root = At(roots.position, lane), normal = At(roots.normal, lane);
   const Double3 tangent = At(roots.tangent, lane), across = Cross(normal, tangent);
   out.length = scale * double(rest.segment_length[lane]) * (kPoints - 1);
@@ -44,15 +44,15 @@ void ReadStrand(const RootBlock& roots, const RestBlock<kPoints>& rest,
   }
 }
 
-std::vector<Strand> ReadStrands(const FurScene& scene) {
-  std::vector<Strand> all;
+std::vector<SceneStrand> ReadStrands(const FurScene& scene) {
+  std::vector<SceneStrand> all;
   const FrameMemory& memory = scene.memory();
   for (uint32_t c = 0; c < scene.shape().chunk_count; ++c) {
     const uint32_t layer = scene.shape().chunk_layer[c];
     const double scale = memory.Of<&Streams::layers>(layer)->scale;
     const RootBlock& roots = *memory.Of<&Streams::roots>(c);
     for (uint32_t s = 0; s < memory.Of<&Streams::chunk_state>(c)->live_strands; ++s) {
-      Strand& strand = all.emplace_back();
+      SceneStrand& strand = all.emplace_back();
       WithPoints(StrandPointsOf(scene.shape().layer_kind[layer]), [&]<uint32_t kPoints> {
         using Of = ChainStreams<kPoints, false>;
         ReadStrand(roots, *memory.Of<Of::kRest>(c), *memory.Of<Of::kPosition>(c), scale, s, strand);
@@ -78,7 +78,7 @@ class CourseRun {
       : course_(course), run_(course.scenario, Options(course, isa)) {}
 
   // A frame; `steps` times with the clip's time in between.
-  std::vector<Strand> Step() {
+  std::vector<SceneStrand> Step() {
     const int from = int(frame_) - int(kWarmUp);
     course_.before(course_.scenario, from);
     FrameInput input =
@@ -105,8 +105,8 @@ class CourseRun {
 
 // ---- Figures -------------------------------------------------------------------------------------
 
-void Inspect(const std::vector<Strand>& strands, SceneStressResult& result) {
-  for (const Strand& strand : strands) {
+void Inspect(const std::vector<SceneStrand>& strands, SceneStressResult& result) {
+  for (const SceneStrand& strand : strands) {
     Double3 upper = kZero3;
     for (const Double3& p : strand.point) {
       if (!IsFinite(p)) {
@@ -125,7 +125,7 @@ struct Apart {
   uint64_t points = 0;
   std::vector<double> all;
 
-  void Add(const std::vector<Strand>& strands, const std::vector<Strand>& expected) {
+  void Add(const std::vector<SceneStrand>& strands, const std::vector<SceneStrand>& expected) {
     for (size_t s = 0; s < std::min(strands.size(), expected.size()); ++s)
       for (size_t i = 0; i < expected[s].point.size(); ++i, ++points) {
         const Double3 off = strands[s].point[i] - expected[s].point[i];
@@ -145,7 +145,7 @@ struct Apart {
   }
 };
 
-uint64_t CountMoving(const std::vector<Strand>& now, const std::vector<Strand>& before) {
+uint64_t CountMoving(const std::vector<SceneStrand>& now, const std::vector<SceneStrand>& before) {
   uint64_t count = 0;
   for (size_t s = 0; s < now.size(); ++s) {
     double moved = 0.0;
@@ -164,7 +164,7 @@ SceneStressResult RunBeside(std::string name, Course course, Course* expected, I
   std::optional<CourseRun> other;
   if (expected) other.emplace(*expected, isa);
   Apart apart, at_end;
-  std::vector<Strand> now, before, should;
+  std::vector<SceneStrand> now, before, should;
   for (uint32_t f = 0; f < kWarmUp + kMoving + kResting; ++f) {
     before = std::move(now);
     now = run.Step();
@@ -219,7 +219,7 @@ SceneStressResult Hitch(double seconds, Isa isa) {
   CourseRun run(hitch, isa);
   result.name = fmt::format("a frame of {} s", seconds);
   Apart apart, at_end;
-  std::vector<Strand> now, before, should;
+  std::vector<SceneStrand> now, before, should;
   for (uint32_t f = 0; f < kWarmUp + kMoving + kResting; ++f) {
     before = std::move(now);
     now = run.Step();

@@ -1,10 +1,11 @@
-#include "bench/accuracy/stability.hpp"
-
+// Energy, frequency and decay, static shape.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include "bench/accuracy/small_matrix.hpp"
+#include "bench/accuracy/solver_checks.hpp"
 #include "bench/accuracy/solver_run.hpp"
 #include "core/exact_math.hpp"
 #include "core/random.hpp"
@@ -188,6 +189,56 @@ double StaticShapeError(const SolverFactory& factory, const ChainMaterial& mater
     t += frame;
   }
   return Length(run.Point(0, material.links - 1) - rest) / Length(tip - rest) - 1.0;
+}
+
+// ---- What solvers make of it -----------------------------------------------------------------
+
+namespace {
+
+double WorstMode(const SolverFactory& factory, const ChainMaterial& material) {
+  double worst = 0.0;
+  for (const int rate : {15, 60, 240})
+    for (const ModeResponse& mode : MeasureModes(factory, material, 1.0 / rate)) {
+      worst = std::max(worst, std::abs(mode.first - mode.exact_first));
+      if (mode.gone) continue;
+      worst = std::max(worst, std::abs(mode.sum - mode.exact_sum));
+      worst = std::max(worst, std::abs(mode.product - mode.exact_product));
+    }
+  return worst;
+}
+
+StabilityRow MeasureSolver(const NamedSolver& solver, Isa isa) {
+  const SolverFactory factory = FactoryOf(solver, isa);
+  const ChainMaterial medium = MakeMaterial(kPresets[2], 3);
+  const Strand strand = SeededStrands(3, 6, 1)[3];
+  StabilityRow row{};
+  row.solver = solver;
+  for (size_t f = 0; f < 3; ++f) row.energy[f] = EnergyKept(factory, 3, kEnergyFrequencies[f], 60);
+  for (size_t r = 0; r < kStaticRates.size(); ++r)
+    row.shape[r] = StaticShapeError(factory, medium, strand, kStaticRates[r]);
+  row.mixed_shape = StaticShapeError(factory, medium, strand, 60, 8.0, 3.0);
+  const ModeResponse first = MeasureModes(factory, medium, 1.0 / 60)[0];
+  const ModeRate exact = RateOf(first.exact_sum, first.exact_product, 1.0 / 60);
+  const ModeRate rate = RateOf(first.sum, first.product, 1.0 / 60);
+  row.frequency_error = rate.frequency / exact.frequency - 1.0;
+  row.decay_error = rate.decay / exact.decay - 1.0;
+  row.worst_mode = WorstMode(factory, medium);
+  return row;
+}
+
+}  // namespace
+
+std::vector<StabilityRow> MeasureStability(Isa isa, bool quick) {
+  static constexpr std::string_view kQuick[] = {"pbd-4", "xpbd-8", "modal", "modal-fine",
+                                                "modal-best"};
+  static constexpr std::string_view kAll[] = {
+      "dftl-1",  "textbook-pbd-4", "pbd-4", "verlet-4",   "xpbd-8",    "xpbd-64",
+      "euler-1", "trapezoid-2",    "modal", "modal-fine", "modal-best"};
+  std::vector<StabilityRow> rows;
+  const std::span<const std::string_view> names =
+      quick ? std::span<const std::string_view>(kQuick) : std::span<const std::string_view>(kAll);
+  for (const std::string_view name : names) rows.push_back(MeasureSolver(*FindSolver(name), isa));
+  return rows;
 }
 
 }  // namespace pelt::accuracy

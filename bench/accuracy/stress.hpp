@@ -1,3 +1,19 @@
+// What solvers and whole scenes survive: the tables of `pelt stress`.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/accuracy/chain_problem.hpp"
+#include "bench/accuracy/strand_solver.hpp"
+#include "core/isa.hpp"
+
+namespace pelt::accuracy {
+
+// ---- Solvers ---------------------------------------------------------------------------------
+
 // The stress table: problems no solver should come out of with a NaN, a stretched hair or a strand
 // that never settles.
 //
@@ -6,16 +22,6 @@
 // that rest where forces do not balance, and how long the strands took to come back.
 //
 // Invariant: problems are seeded, so a row can be run again alone.
-#pragma once
-
-#include <functional>
-#include <string>
-#include <vector>
-
-#include "bench/accuracy/chain_problem.hpp"
-#include "bench/accuracy/strand_solver.hpp"
-
-namespace pelt::accuracy {
 
 struct StressProblem {
   std::string name;
@@ -64,5 +70,43 @@ std::vector<std::string> BrokenPromises(const StressResult& result);
 // `links`: the solver moves the material's links, so that the balance of their forces shows which strands are stuck.
 StressResult RunStress(const StressProblem& problem, const SolverFactory& factory,
                        bool links = true);
+
+// ---- Scenes ----------------------------------------------------------------------------------
+
+// Hitches, characters of any size and size that changes, places far from the world's origin, obstacles that go through
+// the fur. Defined in pelt_scene_precision, which has scenes.
+//
+// Every row runs the scene `tiny` with the modal solver beside the same scene as it should have
+// been (the hitch stepped through at 60 Hz, the character at home, or grown from the start), lets
+// both come to rest, and says how far apart they were.
+//
+// Invariant: rows are deterministic; bounds are checked, not fitted (BrokenPromises).
+
+struct SceneStressResult {
+  std::string name;
+  uint64_t strands = 0;
+  uint64_t non_finite = 0;     // values of points, over all frames
+  double worst_stretch = 0.0;  // of a link over its length, less 1
+  uint64_t unsettled = 0;  // strands that move by over 1e-4 of their length per frame at the end
+  // From the scene as it should have been, RMS over all points of the half second from the
+  // disturbance on, shares of the strands' lengths; of strands that lie on their groom likewise.
+  std::optional<double> apart, rigid_apart;
+  // When both have come to rest, what 99 % of the points are within: some strands stand on edges, and
+  // fall either way.
+  std::optional<double> apart_at_end;
+  // What is promised; none: shown for comparison.
+  std::optional<double> most_apart, most_at_end;
+  bool promised = true;
+  friend bool operator==(const SceneStressResult&, const SceneStressResult&) = default;
+};
+
+// Empty: nothing is.
+std::vector<std::string> BrokenPromises(const SceneStressResult& result);
+inline constexpr double kMostSceneStretch = 1e-4;  // points are floats a metre from their origin
+// Of a scene's strands, five seconds after it came to rest: a few of its longest swing on, of tiny as
+// it is 3.
+inline constexpr double kMostUnsettled = 0.03;
+
+std::vector<SceneStressResult> RunSceneStress(Isa isa);
 
 }  // namespace pelt::accuracy

@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "bench/benchmarks/benchmark_main.hpp"
-#include "bench/report/spread.hpp"
+#include "bench/report/budget.hpp"
 #include "bench/scenarios/scenarios.hpp"
 #include "bench/verify/executors.hpp"
 #include "jobs/pass_loop.hpp"

@@ -6,9 +6,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "bench/accuracy/report/accuracy_features.hpp"
 #include "bench/accuracy/report/accuracy_report.hpp"
-#include "bench/accuracy/report/accuracy_scene.hpp"
 #include "bench/command/commands.hpp"
 #include "bench/command/progress.hpp"
 #include "core/error.hpp"

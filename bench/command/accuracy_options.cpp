@@ -7,7 +7,6 @@
 #include "bench/accuracy/chain_problem.hpp"
 #include "bench/accuracy/named_solver.hpp"
 #include "bench/command/command_options.hpp"
-#include "bench/command/file_options.hpp"
 
 namespace pelt {
 namespace {

@@ -10,8 +10,6 @@
 #include "bench/command/progress.hpp"
 #include "bench/consoles/console_budget.hpp"
 #include "bench/consoles/console_report.hpp"
-#include "bench/consoles/console_timeline.hpp"
-#include "bench/consoles/kernel_rows_report.hpp"
 #include "bench/fit/console_price.hpp"
 #include "bench/fit/layer_errors.hpp"
 #include "bench/fit/tiers.hpp"

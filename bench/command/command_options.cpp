@@ -7,7 +7,6 @@
 #include <cstdlib>
 #include <optional>
 
-#include "bench/command/file_options.hpp"
 #include "bench/command/usage_error.hpp"
 #include "bench/scenarios/embedded_files.hpp"
 #include "core/error.hpp"

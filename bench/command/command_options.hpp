@@ -1,5 +1,5 @@
-// What the subcommands of `pelt` have in common: how one is declared, and the groups of options
-// that several take.
+// What the subcommands of `pelt` have in common: how one is declared, the groups of options that several take, and
+// options that name files.
 //
 // A subcommand is one function that declares its options and returns what is to be done with them,
 // so that everything about it stands in one place and `main` knows none of it.
@@ -10,10 +10,13 @@
 #include <functional>
 #include <initializer_list>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "bench/command/commands.hpp"
+#include "bench/command/output_path.hpp"
 
 namespace pelt {
 
@@ -101,5 +104,29 @@ void RefuseAllBut(const CLI::App& app, const std::string& present,
 // Throws when one was given though it has an effect only where `where` says: "the ppe".
 void RefuseUnless(const CLI::App& app, bool has_effect, std::initializer_list<const char*> options,
                   const std::string& where);
+
+// Options that name files. An option says here whether its file is read or written, and all that must hold between the
+// files of a command line follows from that: no output is also an input or another output, every output can be written,
+// and all of it is known before the work begins.
+//
+// Breaks if ignored: an output declared in another way cannot be written (output_path.hpp).
+
+CLI::Option* AddInputFile(CLI::App& app, const char* name, std::string& target, const char* help);
+CLI::Option* AddInputFile(CLI::App& app, const char* name, std::vector<std::string>& target,
+                          const char* help);
+// Also the name of something built in (IsBuiltInName).
+CLI::Option* AddInputFileOrName(CLI::App& app, const char* name, std::string& target,
+                                const char* help);
+// `extension`: the only one a file may have; empty: any.
+CLI::Option* AddOutputFile(CLI::App& app, const char* name, OutputPath& target, const char* help,
+                           std::string_view extension = {});
+// Files in it are the command's own to check (CheckOutput).
+CLI::Option* AddOutputFolder(CLI::App& app, const char* name, OutputPath& target, const char* help);
+
+// Of the parsed options of `app`. Throws CLI::ParseError for files that do not go together, Error
+// for an output that cannot be written.
+void CheckFiles(const CLI::App& app);
+// The same for files that were found to be read later: the maps of a setup, the buffers of a model.
+void CheckFilesRead(const CLI::App& app, std::span<const std::string> read);
 
 }  // namespace pelt

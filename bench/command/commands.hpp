@@ -11,10 +11,13 @@
 
 #include "bench/accuracy/drawn_problem.hpp"
 #include "bench/command/picture_shots.hpp"
+#include "bench/report/json_text.hpp"
 #include "bench/report/run_report.hpp"
 #include "bench/scenarios/scenarios.hpp"
 #include "bench/verify/verify.hpp"
+#include "core/groom/surface_colour.hpp"
 #include "platform_sim/platforms/platform.hpp"
+#include "traces/diff.hpp"
 
 namespace pelt {
 
@@ -49,6 +52,17 @@ struct ShowCharacterArgs {
   CheckFilesReadHook check_files_read = {};  // as ScenarioRequest's
 };
 ExitCode ShowCharacter(const ShowCharacterArgs& args);
+
+// The character's UV layout as lines over the place of its image, to paint a map on. Rows from v = 0 at the top, as
+// maps are read, so that what is painted there lies where the lines are. Black but for the lines, a colour for each
+// material, which have no red: maps are read from that channel by default, and may be painted right over them.
+struct UvTemplate {
+  uint32_t width = 0, height = 0;  // of the largest image's shape
+  std::vector<uint8_t> rgb;
+};
+
+// Throws pelt::Error for a character without texture coordinates.
+UvTemplate DrawUvTemplate(const Character&, const SurfaceColour&);
 
 // Where the camera stands instead of where the scene has it.
 struct CameraChoice {
@@ -110,6 +124,8 @@ struct DiffArgs {
   bool json = false;
 };
 ExitCode Diff(const DiffArgs& args);
+// Where two grooms first differ, in the order of the groom file: section, item (the chunk or layer), field and lane.
+std::optional<Difference> FindDifference(const Groom& left, const Groom& right);
 
 struct CompareArgs {
   std::string left, right;            // files of `pelt run --json`; or
@@ -138,6 +154,11 @@ struct ReportArgs {
   std::string accuracy;  // JSON file of `pelt accuracy` to show as well
 };
 ExitCode Report(const ReportArgs& args);
+// A scene's frames as the consoles would run them, for the pages that show it. An object of AddConsoleFrame
+// (bench/consoles/console_report.hpp) for each console, into an array: its slowest of at most 60 frames. One that
+// cannot run the scene says why.
+void AddModelledConsoles(Scenario& scenario, uint32_t frames, const SkipSettings& skip,
+                         const LodSettings& lod, JsonText& json);
 
 struct ViewArgs {
   ScenarioRequest request;

@@ -1,13 +1,12 @@
-// Idea and invariant: see file_options.hpp. What an option does with its file is the name of its
+// Idea and invariant: see command_options.hpp. What an option does with its file is the name of its
 // type in CLI11, which the help text shows: there is no list beside the options.
-#include "bench/command/file_options.hpp"
-
 #include <fmt/format.h>
 
 #include <cctype>
 #include <filesystem>
 #include <functional>
 
+#include "bench/command/command_options.hpp"
 #include "bench/command/usage_error.hpp"
 #include "bench/scenarios/scenarios.hpp"
 #include "core/output_place.hpp"

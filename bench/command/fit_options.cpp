@@ -3,7 +3,6 @@
 #include <memory>
 
 #include "bench/command/command_options.hpp"
-#include "bench/command/file_options.hpp"
 #include "bench/command/usage_error.hpp"
 
 namespace pelt {

@@ -9,7 +9,7 @@
 #include <algorithm>
 
 #include "bench/command/commands.hpp"
-#include "bench/verify/merge_shards.hpp"
+#include "bench/verify/shard.hpp"
 #include "bench/verify/stage_digests.hpp"
 #include "core/error.hpp"
 #include "traces/diff.hpp"

@@ -9,7 +9,7 @@
 
 #include "bench/command/commands.hpp"
 #include "bench/command/usage_error.hpp"
-#include "bench/consoles/kernel_rows_report.hpp"
+#include "bench/consoles/console_report.hpp"
 #include "bench/report/report_tree.hpp"
 #include "core/groom/nearest_word.hpp"
 #include "platform_sim/pipeline/instruction_set.hpp"

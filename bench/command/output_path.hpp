@@ -1,5 +1,5 @@
 // A path that a command writes to. Only the command line makes one (AddOutputFile,
-// file_options.hpp), and only one of these can be written: so every output has been tried, and checked
+// command_options.hpp), and only one of these can be written: so every output has been tried, and checked
 // against every input and every other output, before the work whose result goes there began.
 #pragma once
 

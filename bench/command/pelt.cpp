@@ -19,12 +19,11 @@
 #include <vector>
 
 #include "bench/command/command_options.hpp"
-#include "bench/command/file_options.hpp"
 #include "bench/command/usage_error.hpp"
 #include "bench/picture/renderers.hpp"
 #include "bench/report/embedded_page.hpp"
 #include "bench/report/machine.hpp"
-#include "bench/verify/merge_shards.hpp"
+#include "bench/verify/shard.hpp"
 #include "core/error.hpp"
 #include "core/groom/nearest_word.hpp"
 #include "core/printable.hpp"

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include "bench/command/command_options.hpp"
-#include "bench/command/file_options.hpp"
 #include "bench/command/usage_error.hpp"
 #include "bench/picture/light_steps.hpp"
 #include "bench/shading/named_lights.hpp"

@@ -9,7 +9,6 @@
 
 #include "bench/picture/light_steps.hpp"
 #include "bench/picture/picture.hpp"
-#include "bench/picture/png.hpp"
 #include "bench/picture/relief_coat.hpp"
 #include "bench/report/budget.hpp"
 #include "bench/shading/named_lights.hpp"

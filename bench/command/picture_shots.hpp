@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "bench/command/output_path.hpp"
-#include "bench/picture/animation.hpp"
+#include "bench/picture/png.hpp"
 #include "bench/picture/renderers.hpp"
 #include "bench/report/report_tree.hpp"
 #include "bench/scenarios/scenarios.hpp"

@@ -13,7 +13,6 @@
 #include "bench/command/commands.hpp"
 #include "bench/consoles/console_budget.hpp"
 #include "bench/report/budget.hpp"
-#include "bench/report/memory_table.hpp"
 #include "bench/report/report_tree.hpp"
 #include "bench/report/run_comparison.hpp"
 #include "core/error.hpp"

@@ -4,7 +4,7 @@
 
 #include "bench/command/commands.hpp"
 #include "bench/report/machine.hpp"
-#include "bench/verify/merge_shards.hpp"
+#include "bench/verify/shard.hpp"
 #include "core/chunk.hpp"
 #include "core/file_bytes.hpp"
 #include "core/kernels/frame_table.hpp"

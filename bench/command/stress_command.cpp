@@ -13,7 +13,6 @@
 #include <limits>
 
 #include "bench/accuracy/named_solver.hpp"
-#include "bench/accuracy/scene_stress.hpp"
 #include "bench/accuracy/stress.hpp"
 #include "bench/command/commands.hpp"
 #include "bench/command/progress.hpp"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bench/command/commands.hpp"
-#include "bench/consoles/kernel_rows_report.hpp"
+#include "bench/consoles/console_report.hpp"
 #include "bench/report/report_tree.hpp"
 #include "platform_sim/measured_rows.hpp"
 

@@ -4,7 +4,7 @@
 
 #include "bench/command/commands.hpp"
 #include "bench/command/progress.hpp"
-#include "bench/verify/merge_shards.hpp"
+#include "bench/verify/shard.hpp"
 #include "bench/verify/verify.hpp"
 
 namespace pelt {

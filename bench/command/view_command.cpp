@@ -12,7 +12,6 @@
 #include <thread>
 
 #include "bench/command/commands.hpp"
-#include "bench/command/modelled_consoles.hpp"
 #include "bench/command/progress.hpp"
 #include "bench/viewer/page_request.hpp"
 #include "bench/viewer/page_server.hpp"

@@ -3,7 +3,6 @@
 #include <set>
 
 #include "bench/command/command_options.hpp"
-#include "bench/command/file_options.hpp"
 
 namespace pelt {
 namespace {

@@ -22,7 +22,7 @@
 #include "bench/scenarios/scenarios.hpp"
 #include "platform_sim/frame/console_frame.hpp"
 #include "platform_sim/frame/console_machine.hpp"
-#include "platform_sim/frame/frame_summary.hpp"
+#include "platform_sim/frame/modelled_frame.hpp"
 #include "platform_sim/gpu/draw_bound.hpp"
 #include "platform_sim/platforms/platform.hpp"
 #include "platform_sim/pricing/kernel_cost.hpp"

@@ -5,9 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "bench/consoles/console_timeline.hpp"
 #include "bench/consoles/gpu_bound.hpp"
-#include "bench/consoles/kernel_rows_report.hpp"
 #include "bench/report/timeline.hpp"
 
 namespace pelt {

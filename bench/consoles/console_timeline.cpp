@@ -1,10 +1,9 @@
-#include "bench/consoles/console_timeline.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <map>
 
+#include "bench/consoles/console_report.hpp"
 #include "bench/report/timeline.hpp"
 
 namespace pelt {

@@ -1,8 +1,8 @@
-#include "bench/consoles/kernel_rows_report.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
+
+#include "bench/consoles/console_report.hpp"
 
 namespace pelt {
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <span>
 
-#include "bench/fit/fur_costs.hpp"
 #include "bench/fit/layer_work.hpp"
 #include "bench/fit/tiers.hpp"
 

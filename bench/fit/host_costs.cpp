@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <map>
 
-#include "bench/fit/fur_costs.hpp"
 #include "bench/fit/layer_work.hpp"
 #include "bench/fit/tiers.hpp"
 #include "bench/report/run_report.hpp"

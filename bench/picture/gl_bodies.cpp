@@ -1,8 +1,7 @@
-#include "bench/picture/gl_bodies.hpp"
-
 #include <algorithm>
 #include <array>
 
+#include "bench/picture/gl_parts.hpp"
 #include "bench/picture/relief_coat.hpp"
 
 namespace pelt {

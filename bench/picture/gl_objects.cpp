@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <numeric>
 
-#include "bench/shading/gl_program.hpp"
-
 namespace pelt {
 namespace {
 

@@ -9,11 +9,8 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <optional>
 
-#include "bench/picture/gl_bodies.hpp"
-#include "bench/picture/gl_shadows.hpp"
-#include "bench/picture/gl_shells.hpp"
-#include "bench/picture/gl_strands.hpp"
-#include "bench/picture/scene_shadows.hpp"
+#include "bench/picture/gl_parts.hpp"
+#include "bench/picture/shadows.hpp"
 
 namespace pelt {
 namespace {

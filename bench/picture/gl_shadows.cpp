@@ -1,9 +1,8 @@
-#include "bench/picture/gl_shadows.hpp"
-
 #include <algorithm>
 
 #include "bench/picture/gl_objects.hpp"
-#include "bench/picture/scene_shadows.hpp"
+#include "bench/picture/gl_parts.hpp"
+#include "bench/picture/shadows.hpp"
 #include "core/character/mesh_repair.hpp"
 
 namespace pelt {

@@ -1,10 +1,9 @@
-#include "bench/picture/gl_shells.hpp"
-
 #include <algorithm>
 #include <array>
 
 #include "bench/picture/canvas.hpp"
-#include "bench/picture/shell_shadow.hpp"
+#include "bench/picture/gl_parts.hpp"
+#include "bench/picture/shadows.hpp"
 #include "bench/shading/shading.hpp"
 
 namespace pelt {

@@ -1,9 +1,8 @@
-#include "bench/picture/gl_strands.hpp"
-
 #include <algorithm>
 #include <vector>
 
 #include "bench/picture/gl_objects.hpp"
+#include "bench/picture/gl_parts.hpp"
 #include "bench/picture/strip_texture.hpp"
 
 namespace pelt {

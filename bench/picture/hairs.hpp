@@ -6,6 +6,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "bench/picture/canvas.hpp"
 #include "bench/shading/shading.hpp"
 #include "jobs/scene.hpp"
 
@@ -49,5 +50,10 @@ std::vector<std::vector<Hair>> ReadHairs(const FurScene& scene, VertexOrder orde
 
 // How many film strips their cards need, from the first; 0 without cards.
 uint32_t CountStrips(const std::vector<std::vector<Hair>>& layers);
+
+// A hair's knots as they are painted: lit, projected, as wide as in the picture. `depth_light` and `sun_share` as
+// HairPoint has them.
+HairEnd ShadeKnot(const Hair& hair, uint32_t k, const LightSet& light, const HairLook& look,
+                  float depth_light, float sun_share, const Projection& projection);
 
 }  // namespace pelt

@@ -8,8 +8,7 @@
 #include "bench/picture/canvas.hpp"
 #include "bench/picture/picture_scene.hpp"
 #include "bench/picture/png.hpp"
-#include "bench/picture/scene_shadows.hpp"
-#include "bench/picture/shade_hair.hpp"
+#include "bench/picture/shadows.hpp"
 #include "bench/shading/shading.hpp"
 
 namespace pelt {

@@ -10,6 +10,7 @@
 #include "bench/picture/hairs.hpp"
 #include "bench/picture/picture_maps.hpp"
 #include "bench/shading/default_look.hpp"
+#include "jobs/scene.hpp"
 
 namespace pelt {
 
@@ -63,14 +64,30 @@ struct PictureScene {
 PictureScene GatherPicture(const Scenario& scenario, const PictureMaps& maps, const FurScene& scene,
                            const Camera& camera, VertexOrder order,
                            std::span<const Body> posed = {});
-// All of its looks, by the lights of the scene's last frame.
-void LightPicture(const FurScene& scene, PictureScene& shown);
-// Has the draws' vertices in the picture's own memory, where they can be changed; returns them, one for each draw.
-std::span<std::vector<std::byte>> OwnVertices(PictureScene& scene);
 // With maps for this picture alone: `relief` is theirs, and what they have to say goes into `notes`.
 PictureScene GatherPicture(const Scenario& scenario, const FurScene& scene, const Camera& camera,
                            VertexOrder order, std::vector<std::string>& notes,
                            std::span<const std::string> relief = {});
+// Has the draws' vertices in the picture's own memory, where they can be changed; returns them, one for each draw.
+std::span<std::vector<std::byte>> OwnVertices(PictureScene& scene);
+
+// What a picture's fur, skin and room are lit by: what the frame's layers are lit by, where there is any, else the
+// default. The room, which has no layer, is as much brighter or darker than in the default light as white patches that
+// face up and to the sides are in the mean of what reaches the layers.
+class FrameLight {
+ public:
+  explicit FrameLight(const FurScene& scene);
+
+  // A layer that is not lit has its character's light, and a character without a lit layer that of all of them.
+  const PictureLook& OnLayer(uint32_t layer) const { return layers_[layer]; }
+  const PictureLook& OnActor(uint32_t actor) const { return actors_[actor]; }
+
+ private:
+  std::vector<PictureLook> layers_, actors_;
+};
+
+// All of the picture's looks, by the lights of the scene's last frame.
+void LightPicture(const FurScene& scene, PictureScene& shown);
 
 // A sphere round everything of each character, the tips of its hairs and shells too.
 struct Ball {

@@ -1,7 +1,7 @@
-#include "bench/report/layer_costs.hpp"
-
 #include <algorithm>
 #include <numeric>
+
+#include "bench/report/budget.hpp"
 
 namespace pelt {
 namespace {

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "bench/report/budget.hpp"
 #include "bench/report/json_text.hpp"
-#include "bench/report/layer_costs.hpp"
 #include "bench/report/run_comparison.hpp"
 #include "bench/report/run_report.hpp"
 #include "bench/report/timeline.hpp"

@@ -40,6 +40,9 @@ void AddFrame(const FurScene& scene, std::vector<LayerQuality>& layers);
 // "layer_quality"; in text layers that are alike are one row.
 void AddLayerQuality(const std::vector<LayerQuality>& layers, ReportTree& tree);
 
+// "memory": what every range of a scene's block takes, an object from a range's name to its bytes; and the sums.
+void AddMemory(const SceneLayout& layout, ReportTree& report);
+
 // A frame that has run, for RunOptions::observe.
 struct FinishedFrame {
   uint32_t frame;

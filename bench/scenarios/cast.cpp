@@ -1,5 +1,4 @@
-#include "bench/scenarios/cast.hpp"
-
+// The cast and the stage.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,6 +8,7 @@
 #include <sstream>
 #include <string_view>
 
+#include "bench/scenarios/made_scenes.hpp"
 #include "core/character/builtin_character.hpp"
 #include "core/character/pose.hpp"
 #include "core/groom/bake.hpp"

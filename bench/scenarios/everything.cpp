@@ -1,8 +1,8 @@
-#include "bench/scenarios/everything.hpp"
-
+// The scene `everything`.
 #include <algorithm>
 #include <limits>
 
+#include "bench/scenarios/made_scenes.hpp"
 #include "core/character/builtin_character.hpp"
 #include "core/character/pose.hpp"
 #include "core/groom/bake.hpp"

@@ -31,6 +31,8 @@
 
 namespace pelt {
 
+// ---- Characters and setups -------------------------------------------------------------------
+
 // "builtin" (the monster), "scorpion", or the path of a .glb or .gltf file. Throws Error.
 Character LoadCharacter(const std::string& name_or_path);
 
@@ -54,6 +56,22 @@ std::string SetupText(const std::string& name_or_path);
 // The setup's unit scale, or the guess for this character; what was assumed goes into `notes`.
 float ChooseUnitScale(const FurSetup& setup, const Character& character,
                       std::vector<std::string>& notes);
+
+// What a material has of the surface.
+struct MaterialShare {
+  uint32_t triangles = 0;
+  double area_m2 = 0.0;
+};
+// Of each material of the mesh.
+std::vector<MaterialShare> MeasureMaterials(const Mesh& mesh, const RestGeometry& rest);
+
+// A fur setup to start from, for a character that has none: a layer for each of its materials that
+// is not bare, long and dense enough for its size to cover the skin. TOML, with the reason for each
+// choice; `rest` is in metres by `unit_scale`. It bakes for this character, and no layer of it is
+// bald. Throws Error where there is nothing to grow on.
+std::string StartingSetup(const Character& character, const RestGeometry& rest, float unit_scale);
+
+// ---- Scenarios -------------------------------------------------------------------------------
 
 // One character on the stage.
 struct Actor {
@@ -138,6 +156,8 @@ struct Scenario {
   std::vector<Weather> weather_;
 };
 
+// ---- Loading one -----------------------------------------------------------------------------
+
 // Called before the bake with every file that the named ones led to: maps, buffers. May throw.
 using CheckFilesReadHook = std::function<void(const std::vector<std::string>& files)>;
 
@@ -155,7 +175,7 @@ struct ScenarioRequest {
   std::optional<Solver> solver = {};
   std::optional<ModalQuality> quality = {};
   std::string plan = {};  // path of a layer plan (layer_plan.hpp); empty: none
-  // Name or path of lights (scene_lights.hpp): every layer is lit by them, instead of what scene and setup say.
+  // Name or path of lights: every layer is lit by them, instead of what scene and setup say.
   std::string lights = {};
   CheckFilesReadHook check_files_read = {};
 
@@ -178,6 +198,8 @@ Scenario LoadScenario(const ScenarioRequest& request, const LoadProgress& progre
 inline Scenario LoadScenario(const std::string& name) {
   return LoadScenario(ScenarioRequest{.scene = name});
 }
+
+// ---- Running one -----------------------------------------------------------------------------
 
 // A scenario with the memory and the scene that run it.
 class RunningScenario {

@@ -1,10 +1,10 @@
-#include "bench/scenarios/starting_setup.hpp"
-
+// A fur setup to start from.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "bench/scenarios/scenarios.hpp"
 #include "core/character/pose.hpp"
 #include "core/error.hpp"
 #include "core/printable.hpp"
@@ -23,12 +23,12 @@ constexpr double kEyeMarginShare = 0.3;
 // Parts of the surface below this are too small for a coat of their own.
 constexpr double kLeastShare = 0.002;
 
-struct Plan {
+struct CoatPlan {
   double length_m, density;
 };
 
 // Longer strands where there would be too many: fewer of them cover as well.
-Plan PlanCoat(double extent_m, double area_m2) {
+CoatPlan PlanCoat(double extent_m, double area_m2) {
   double length_m = kLengthShare * extent_m;
   const auto density = [&] { return std::pow(kSpacingsALength / length_m, 2.0); };
   if (density() * area_m2 > kMostStrands) length_m *= std::sqrt(density() * area_m2 / kMostStrands);
@@ -112,7 +112,7 @@ std::string StartingSetup(const Character& character, const RestGeometry& rest, 
   if (!(area_m2 > 1e-12 * extent_m * extent_m))
     throw Error(fmt::format("{}: its surface has no area in the rest pose: nothing grows on it",
                             Printable(character.name)));
-  const Plan coat = PlanCoat(extent_m, area_m2);
+  const CoatPlan coat = PlanCoat(extent_m, area_m2);
   std::string text = fmt::format(
       "# A setup to start from for {}; pelt bake --keys explains every key.\n"
       "# Lengths and widths are in metres, densities in strands a square metre.\n\n"

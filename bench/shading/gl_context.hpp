@@ -14,6 +14,7 @@
 #include <GL/glcorearb.h>
 
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -117,5 +118,23 @@ class GlContext {
   explicit GlContext(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
+
+// The files of bench/shading/shaders, by name, as CMakeLists.txt put them into the program, so that the command runs
+// from anywhere; and programs of them for a graphics card.
+
+struct ShaderFile {
+  std::string_view name, text;
+};
+
+std::span<const ShaderFile> EmbeddedShaders();
+
+// The file's text behind those that it names in lines "// After:", without a version line; empty where there is no
+// such file.
+std::string ShaderText(std::string_view file);
+// The file's alone.
+std::string_view OwnText(std::string_view file);
+
+// A linked program; the caller deletes it. Fails with the driver's words. The texts get "#version 330 core" first.
+Result<GLuint> MakeProgram(const GlApi& gl, const std::string& vertex, const std::string& fragment);
 
 }  // namespace pelt

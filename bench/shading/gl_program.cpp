@@ -1,10 +1,8 @@
-#include "bench/shading/gl_program.hpp"
-
 #include <fmt/format.h>
 
 #include <vector>
 
-#include "bench/shading/shader_files.hpp"
+#include "bench/shading/gl_context.hpp"
 
 namespace pelt {
 namespace {

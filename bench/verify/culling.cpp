@@ -2,7 +2,7 @@
 //
 // The camera looks away from the scene to every side and back, and its near and far planes pass
 // through it, so that every layer leaves the view and returns. A second scene culls nothing and
-// skips nothing. Where one of a layer's strands is in view there, point by point (frustum.hpp),
+// skips nothing. Where one of a layer's strands is in view there, point by point (ViewTest),
 // the layer must not be culled. One that has been in view from the first frame must have the second
 // scene's bits; one that returns, those of a scene that begins in that frame, because it starts
 // from its groom. What is out of view is not drawn. At last cameras stand so that of each layer the
@@ -18,7 +18,6 @@
 
 #include "bench/verify/checks.hpp"
 #include "bench/verify/frame_digests.hpp"
-#include "bench/verify/frustum.hpp"
 #include "core/exact_math.hpp"
 
 namespace pelt {

@@ -1,6 +1,7 @@
-#include "bench/verify/frustum.hpp"
-
+// What a camera sees, without the formulas of culling.
 #include <cmath>
+
+#include "bench/verify/checks.hpp"
 
 namespace pelt {
 namespace {

@@ -1,5 +1,4 @@
-#include "bench/verify/input_changes.hpp"
-
+// Every number of the input, listed.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,6 +9,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "bench/verify/checks.hpp"
 #include "traces/input_fields.hpp"
 #include "traces/input_log_format.hpp"
 

@@ -1,5 +1,4 @@
-#include "bench/verify/merge_shards.hpp"
-
+// The merge.
 #include <fmt/format.h>
 
 #include <algorithm>

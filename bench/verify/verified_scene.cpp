@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "bench/scenarios/everything.hpp"
+#include "bench/scenarios/made_scenes.hpp"
 
 namespace pelt {
 namespace {

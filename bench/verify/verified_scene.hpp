@@ -17,7 +17,7 @@ namespace pelt {
 Scenario MakeVerifiedScene(const Scenario& scenario);
 
 // That, and the character of `everything`, on whose course there is what the scene has not
-// (bench/scenarios/everything.hpp); where it is about as large as what is in the scene's view.
+// (bench/scenarios/made_scenes.hpp); where it is about as large as what is in the scene's view.
 Scenario WithEverything(const Scenario& verified);
 bool HasRoomForEverything(const Scenario& scenario);
 

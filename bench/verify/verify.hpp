@@ -128,7 +128,7 @@ struct VerifyOptions {
 VerifyReport Verify(const Scenario& scenario, const VerifyOptions& options);
 
 // Scenes drawn from `seed` and the seeds after it, a check each: the same bits on every instruction set, executors and
-// orders in rotation, with all skips and with what may stand between two frames (course_check.hpp).
+// orders in rotation, with all skips and with what may stand between two frames (course_check.cpp).
 VerifyReport VerifyRandom(uint32_t count, uint64_t seed, const VerifyOptions& options);
 
 // Every case of the full matrix for instruction sets this processor has.
@@ -137,7 +137,7 @@ std::vector<VerifyCase> AllCases();
 // Tables, what failed, and one verdict line.
 ReportTree MakeVerifyTree(const VerifyReport& report, const Fingerprint& fingerprint = {});
 std::string DescribeReport(const VerifyReport& report);
-// Shards of equal fingerprints can be merged: bench/verify/merge_shards.hpp.
+// Shards of equal fingerprints can be merged: MergeShards.
 std::string ReportAsJson(const VerifyReport& report, const Fingerprint& fingerprint = {});
 
 }  // namespace pelt

@@ -14,7 +14,6 @@
 
 #include "bench/verify/checks.hpp"
 #include "bench/verify/frame_digests.hpp"
-#include "bench/verify/input_changes.hpp"
 #include "traces/digest.hpp"
 
 namespace pelt {

@@ -9,7 +9,7 @@
 #include "bench/viewer/page_request.hpp"
 #include "bench/viewer/replay_viewer.hpp"
 #include "bench/viewer/viewer.hpp"
-#include "core/given_files.hpp"
+#include "core/file_bytes.hpp"
 
 #define PELT_EXPORT(name) extern "C" __attribute__((export_name(#name))) auto name
 

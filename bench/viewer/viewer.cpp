@@ -8,7 +8,6 @@
 
 #include "bench/viewer/data_views.hpp"
 #include "bench/viewer/page_json.hpp"
-#include "core/groom/setup_edit.hpp"
 #include "core/groom/setup_schema.hpp"
 #include "jobs/pass_loop.hpp"
 

@@ -42,6 +42,10 @@ struct ShapeClip {
 
 std::vector<ShapeClip> MakeClips(const Shape& shape, std::span<const ClipPlan> plans);
 
+// Of the bodies there are.
+std::span<const ClipPlan> MonsterClips();
+std::span<const ClipPlan> ScorpionClips();
+
 // sin of so many turns.
 double Wave(double turns);
 // 0 to 1 as s goes from 0 to 1, at rest at both ends; constant outside.

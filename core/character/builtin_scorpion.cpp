@@ -1,7 +1,7 @@
-#include "core/character/builtin_scorpion.hpp"
-
+// The built-in scorpion: eight legs, two claws, a tail with a sting.
 #include <algorithm>
 
+#include "core/character/builtin_clips.hpp"
 #include "core/exact_math.hpp"
 #include "core/float_rules.hpp"
 

@@ -79,5 +79,9 @@ struct ShapeMesh {
 
 ShapeMesh MeshShape(const Shape& shape, const BuiltinCharacterOptions& options);
 
+// The bodies there are. What each has is said in builtin_character.hpp.
+Shape DesignMonster(const BuiltinCharacterOptions& options);
+Shape DesignScorpion();
+
 }  // namespace builtin
 }  // namespace pelt

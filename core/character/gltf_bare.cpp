@@ -1,9 +1,8 @@
-#include "core/character/gltf_bare.hpp"
-
+// Which parts of a character are bare.
 #include <algorithm>
 #include <cmath>
-#include <span>
 
+#include "core/character/gltf_mesh.hpp"
 #include "core/float_rules.hpp"
 
 namespace pelt::gltf {

@@ -10,9 +10,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/character/gltf_files.hpp"
-#include "core/character/gltf_json.hpp"
-#include "core/character/gltf_look.hpp"
+#include "core/character/gltf_parse.hpp"
 #include "core/error.hpp"
 #include "core/float_rules.hpp"
 #include "core/format.hpp"
@@ -342,9 +340,7 @@ Document ParseDocument(std::span<const std::byte> bytes, const std::string& name
            [](const Json& material) { return TextOf(material, "name"); });
   CheckCompression(json, to);
   to.extensions_unknown = ListUnknown(json);
-  ReadLook(
-      text, [&](const std::string& uri, std::string& fault) { return reader.Read(uri, fault); },
-      to);
+  ReadLook(text, reader, to);
   to.files_read = reader.files_read();
   return to;
 }

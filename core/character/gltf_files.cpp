@@ -1,11 +1,10 @@
-// Idea: see gltf_files.hpp. Sources: glTF 2.0, 4.4 (GLB); RFC 2397 (data:), RFC 3986 (percent).
-#include "core/character/gltf_files.hpp"
-
+// The files of a glTF. Sources: glTF 2.0, 4.4 (GLB); RFC 2397 (data:), RFC 3986 (percent).
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <cstring>
 
+#include "core/character/gltf_parse.hpp"
 #include "core/error.hpp"
 #include "core/file_bytes.hpp"
 #include "core/format.hpp"
@@ -89,6 +88,13 @@ std::string NameXml(std::string_view text) {
   if (head.find("<COLLADA") != head.npos) return "a COLLADA file";
   if (head.find("<html") != head.npos) return "an HTML page, not a model; the download went wrong";
   return "XML";
+}
+
+// What stands in for a file that was not fetched: "a Git LFS pointer, ..."; else nothing.
+std::string NameStandIn(std::span<const std::byte> bytes) {
+  for (const Lookalike& other : std::span(kTexts).first(3))
+    if (StartsLike(SkipToText(TextOf(bytes)), other.start)) return std::string(other.name);
+  return {};
 }
 
 std::string NameLookalike(std::span<const std::byte> file) {
@@ -228,12 +234,6 @@ Parts FindParts(std::span<const std::byte> file, const std::string& name) {
     at += 8 + (bytes + 3) / 4 * 4;
   }
   return parts;
-}
-
-std::string NameStandIn(std::span<const std::byte> bytes) {
-  for (const Lookalike& other : std::span(kTexts).first(3))
-    if (StartsLike(SkipToText(TextOf(bytes)), other.start)) return std::string(other.name);
-  return {};
 }
 
 std::vector<unsigned char> UriReader::Read(const std::string& uri, std::string& fault) {

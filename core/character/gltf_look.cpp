@@ -1,12 +1,11 @@
-#include "core/character/gltf_look.hpp"
-
+// What materials say of their look. Idea: see ReadLook in gltf_parse.hpp.
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <string>
 
-#include "core/character/gltf_json.hpp"
+#include "core/character/gltf_parse.hpp"
 #include "core/character/picture_kind.hpp"
 #include "core/exact_math.hpp"
 #include "core/float_rules.hpp"
@@ -23,8 +22,8 @@ namespace {
 
 class TextureReader {
  public:
-  TextureReader(const Json& json, const ImageReader& read, Document& document)
-      : json_(json), read_(read), document_(document) {}
+  TextureReader(const Json& json, UriReader& files, Document& document)
+      : json_(json), files_(files), document_(document) {}
 
   // The number of the image among the document's that a texture info ({"index": ...}) leads to: that of the texture
   // itself, or of an extension that is of a kind that is read after all. -1, and why, where there is none.
@@ -44,7 +43,7 @@ class TextureReader {
   std::vector<std::byte> ReadView(const Json& index, std::string& fault);
 
   const Json& json_;
-  const ImageReader& read_;
+  UriReader& files_;
   Document& document_;
   std::map<uint64_t, ReadBefore> images_;  // by their number in the file
   uint64_t bytes_ = 0;                     // of those from buffers
@@ -120,12 +119,12 @@ TextureReader::ReadBefore TextureReader::ReadImage(const Json& image) {
 }
 
 std::vector<std::byte> TextureReader::ReadUri(const std::string& uri, std::string& fault) {
-  std::vector<unsigned char> bytes = read_(uri, fault);
+  std::vector<unsigned char> bytes = files_.Read(uri, fault);
   // Exporters of another system write its separators.
   if (!fault.empty() && !uri.starts_with("data:") && uri.find('\\') != uri.npos) {
     std::string path = uri, fault_of_path;
     std::ranges::replace(path, '\\', '/');
-    bytes = read_(path, fault_of_path);
+    bytes = files_.Read(path, fault_of_path);
     if (fault_of_path.empty()) fault.clear();
   }
   const auto* first = reinterpret_cast<const std::byte*>(bytes.data());
@@ -177,8 +176,8 @@ bool ReadColour(const Json& from, int size, glm::vec4& colour) {
 
 class LookReader {
  public:
-  LookReader(const Json& json, const ImageReader& read, Document& document)
-      : json_(json), textures_(json, read, document), document_(document) {}
+  LookReader(const Json& json, UriReader& files, Document& document)
+      : json_(json), textures_(json, files, document), document_(document) {}
 
   void Read() {
     for (size_t m = 0; m < document_.materials.size(); ++m)
@@ -319,7 +318,7 @@ class LookReader {
 
 }  // namespace
 
-void ReadLook(std::string_view json, const ImageReader& read, Document& document) {
+void ReadLook(std::string_view json, UriReader& files, Document& document) {
   const auto wanted = [](int depth, Json::parse_event_t event, Json& parsed) {
     return depth != 1 || event != Json::parse_event_t::key || parsed == "materials" ||
            parsed == "textures" || parsed == "images" || parsed == "samplers" ||
@@ -327,7 +326,7 @@ void ReadLook(std::string_view json, const ImageReader& read, Document& document
   };
   // What is no JSON was refused before; this only must not throw.
   const Json parsed = Json::parse(json.begin(), json.end(), wanted, false);
-  LookReader(parsed, read, document).Read();
+  LookReader(parsed, files, document).Read();
 }
 
 }  // namespace pelt::gltf

@@ -4,19 +4,13 @@
 // and tangents are unit, no triangle is degenerate, nothing is NaN. Each repair that changes what the artist wrote is
 // stated once, with its count.
 // Source: glTF 2.0, 3.7.2 (geometry), 3.7.3 (skins).
+#include "core/character/gltf_mesh.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <map>
-#include <span>
-#include <vector>
 
-#include "core/character/character.hpp"
-#include "core/character/gltf_accessor.hpp"
-#include "core/character/gltf_bare.hpp"
-#include "core/character/gltf_read.hpp"
-#include "core/character/gltf_triangles.hpp"
-#include "core/character/gltf_weights.hpp"
 #include "core/character/mesh_repair.hpp"
 #include "core/float_rules.hpp"
 

@@ -1,9 +1,8 @@
-#include "core/character/gltf_triangles.hpp"
-
+// The triangles of a primitive.
 #include <algorithm>
 #include <numeric>
 
-#include "core/character/gltf_accessor.hpp"
+#include "core/character/gltf_mesh.hpp"
 #include "core/format.hpp"
 
 namespace pelt::gltf {

@@ -1,9 +1,8 @@
-#include "core/character/gltf_weights.hpp"
-
+// What moves a primitive's vertices.
 #include <algorithm>
 #include <cmath>
 
-#include "core/character/gltf_accessor.hpp"
+#include "core/character/gltf_mesh.hpp"
 #include "core/float_rules.hpp"
 #include "core/format.hpp"
 

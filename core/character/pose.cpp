@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "core/character/clips.hpp"
 #include "core/character/mesh_repair.hpp"
-#include "core/character/track_place.hpp"
 #include "core/exact_math.hpp"
 #include "core/float_environment.hpp"
 #include "core/float_rules.hpp"

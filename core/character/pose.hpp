@@ -1,9 +1,9 @@
-// From clips to the frame's input, and the rest pose that grooming measures on.
+// From clips to the frame's input, poses and how fast they move, and the rest pose that grooming measures on.
 //
 // The frame's pose kernel blends up to four keys a channel with given weights, so all that differs
 // between step, slerp and cubic splines is worked out here, on the caller's thread, in double and
 // with exact:: functions: the same bits everywhere.
-// Source: glTF 2.0, appendix C (interpolation); Shoemake 1985 (slerp).
+// Source: glTF 2.0, appendix C (interpolation); Shoemake 1985 (slerp); spin = 2 q' q^-1.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -30,6 +30,20 @@ void FillPose(const Skeleton& skeleton, const Clip* clip, double time_s, bool lo
 // The same as a value. PoseBlock is large (54 KB): for set-up and tests.
 PoseBlock MakePose(const Skeleton& skeleton, const Clip* clip, double time_s, bool loop,
                    const glm::mat4& root);
+
+// How fast the joints of that pose move: the derivative of its interpolation, exactly.
+//
+// Splines are smooth at their keys; straight lines and great circles are not. There the velocity
+// is the mean of both sides: a body that is drawn through a corner by two frames with it turns as
+// much before the key as after. At the ends of a track it is that of the one side there is, and
+// beyond them nothing moves.
+//
+// Writes all of `rates`, with `given` 1, for the pose that FillPose makes of the same clip, time and
+// `loop`. Does not allocate.
+//  speed      how fast the clip runs: its seconds a second
+//  root_rate  derivative of FillPose's root by time, 1/s; 0 where the character stands still
+void FillPoseRates(const Clip* clip, double time_s, bool loop, double speed,
+                   const glm::mat4& root_rate, PoseRateBlock* rates);
 
 // placement * scale: what FillPose wants as root for a character with this unit scale.
 glm::mat4 PlaceCharacter(const glm::mat4& placement, float unit_scale);

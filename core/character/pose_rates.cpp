@@ -1,6 +1,6 @@
-#include "core/character/pose_rates.hpp"
-
-#include "core/character/track_place.hpp"
+// Idea: see FillPoseRates in pose.hpp.
+#include "core/character/clips.hpp"
+#include "core/character/pose.hpp"
 #include "core/float_environment.hpp"
 #include "core/float_rules.hpp"
 

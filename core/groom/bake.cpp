@@ -10,7 +10,6 @@
 #include "core/float_rules.hpp"
 #include "core/format.hpp"
 #include "core/groom/chunk_builder.hpp"
-#include "core/groom/fin_edges.hpp"
 #include "core/groom/shell_skin.hpp"
 #include "core/groom/surface_colour.hpp"
 

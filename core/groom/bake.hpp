@@ -16,7 +16,6 @@
 #include "core/groom/fur_setup.hpp"
 #include "core/groom/groom.hpp"
 #include "core/groom/scatter.hpp"
-#include "core/groom/scatter_stats.hpp"
 
 namespace pelt {
 

@@ -52,7 +52,7 @@ struct LayerBake {
   const VertexChains& vertices;
   float metres_per_mesh_unit;
   const ShellSkin* shells = nullptr;  // of a layer of shells
-  // Of each strand of a layer of shells with fins, which are triangles: fin_edges.hpp. Else empty.
+  // Of each strand of a layer of shells with fins, which are triangles: FindFinEdges. Else empty.
   std::span<const uint32_t> fin_edges = {};
 };
 

@@ -13,7 +13,7 @@
 
 #include "core/character/character.hpp"
 #include "core/groom/layer_params.hpp"
-#include "core/groom/light_setup.hpp"
+#include "core/surroundings.hpp"
 
 namespace pelt {
 
@@ -174,13 +174,46 @@ constexpr size_t PlaceOf(Attribute LayerSetup::*member) {
   return place;
 }
 
+// The lights that a fur setup brings along, as read from its [lights]; in the world, metres. Nothing is derived here
+// but directions of unit length. Colours are linear: what they mean is described in core/surroundings.hpp.
+struct LightsSetup {
+  struct Light {
+    glm::vec3 position{0.0f};
+    float radius = 0.0f;
+    glm::vec3 colour{1.0f};
+    float range = 0.0f;
+  };
+  struct Sample {
+    glm::vec3 position{0.0f};
+    float falloff = 1000.0f;
+    glm::vec3 sky{0.0f}, ground{0.0f};
+    glm::vec3 up{0.0f, 1.0f, 0.0f};
+  };
+  struct Sun {
+    glm::vec3 direction{0.0f, 1.0f, 0.0f};
+    glm::vec3 colour{0.0f};
+  };
+  struct Rim {
+    glm::vec3 direction{0.0f, 1.0f, 0.0f};
+    glm::vec3 colour{0.0f};
+    float exponent = 3.0f;
+  };
+  std::vector<Light> lights;    // at most kLightsPerScene
+  std::vector<Sample> samples;  // at most kIrradianceSamplesPerScene
+  Sun sun;
+  Rim rim;
+};
+
+// In the form that a frame takes them.
+Lighting MakeLighting(const LightsSetup& setup);
+
 struct FurSetup {
   std::string path;                   // for messages
   std::string text;                   // that it was read from
   std::optional<float> unit_scale;    // metres a file unit; default from the bounding box
   float crease_angle = 0.0f;          // degrees up to which edges of the mesh are round
   std::string clip;                   // to play; empty: the first
-  bool clip_smoothing = true;         // of sampled motion (core/character/smooth_clips.hpp)
+  bool clip_smoothing = true;         // of sampled motion (core/character/clips.hpp)
   std::optional<LightsSetup> lights;  // of the scene that the setup is seen in
   std::vector<LayerSetup> layers;
   std::vector<std::string> files_read;  // besides the setup itself: its maps
@@ -199,6 +232,13 @@ std::string ReadSetupText(const std::string& path);
 // at. Throws as ReadFurSetup does, and where there is no [lights].
 LightsSetup ReadLights(std::string_view text, const std::string& path);
 LightsSetup ReadLightsFile(const std::string& path);
+
+// A key of a setup's layer changed in its text, which otherwise stays as it was written: comments, order and all.
+// `value` is as TOML has it: 0.5, true, "best". Of a key that is written as a table with a `value` that one is changed;
+// one that the layer does not have goes below its name, and stands in front of [defaults]. Throws Error, with `path` and
+// line, where the text is not TOML, and where there is no such layer. The result is not checked: ReadFurSetup does that.
+std::string ChangeLayerKey(std::string_view text, const std::string& path, std::string_view layer,
+                           std::string_view key, std::string_view value);
 
 // A key of the layer that gives a map over the surface, which needs texture coordinates
 // ("mask.uv"); empty when none does.

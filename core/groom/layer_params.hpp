@@ -17,6 +17,7 @@
 #include <string_view>
 #include <tuple>
 #include <type_traits>
+#include <vector>
 
 #include "core/chunk.hpp"
 #include "core/modal/modal_quality.hpp"
@@ -80,7 +81,7 @@ struct LayerParams {
   std::array<float, 3> dirt_colour{0.25f, 0.18f, 0.10f};  // sRGB, 0..1
   bool lit = false;      // the frame says what light reaches the layer
   bool painted = false;  // brushes put mud, snow, water and dust on strands; lit layers alone
-  // Of shells (core/chunk.hpp); and the texture they are cut from (core/groom/fur_texture.hpp).
+  // Of shells (core/chunk.hpp); and the texture they are cut from (MakeFurTexture).
   uint32_t shells = kMaxShells;  // up close
   ConeKind cone_kind = ConeKind::kExact;
   float cone = 0.2f;                // least cosine between force and normal; -1: no cone
@@ -269,5 +270,15 @@ std::optional<BadKey> FindBadCombination(const LayerParams& params);
 // The reason why `params` holds a value the setup could not have held, or empty. For the groom
 // file, which must not trust its input.
 std::string FindBadParam(const LayerParams& params);
+
+// The texture that shells are cut from: how far the hair of each texel reaches, of 255; 0 where
+// there is none. Rows of fur_texture_size texels each, from v = 0 up. It repeats in both directions.
+//
+// Hairs are thrown at random places with replacement, so of a density of d a texel 1 - exp(-d) of the
+// texels have one, and the last that fell on a texel is the one that stands there.
+//
+// Invariant: of four numbers alone (size, density, least length, seed), the same on every machine,
+// so a groom holds those and not the texels.
+std::vector<uint8_t> MakeFurTexture(const LayerParams& params);
 
 }  // namespace pelt

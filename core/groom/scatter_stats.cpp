@@ -1,5 +1,4 @@
-#include "core/groom/scatter_stats.hpp"
-
+// How even a scatter is; what is measured, and its source: see scatter.hpp.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -7,6 +6,7 @@
 #include "core/float_environment.hpp"
 #include "core/float_rules.hpp"
 #include "core/groom/sample_elimination.hpp"
+#include "core/groom/scatter.hpp"
 #include "core/random.hpp"
 
 namespace pelt {

@@ -1,5 +1,5 @@
 // What a row of the setup's schema is made by: its field found by members, read by its type and shown in the key list.
-// For the files that have rows (setup_schema.cpp, light_schema.cpp) and no other.
+// For the files that have rows (setup_schema.cpp, light_setup.cpp) and no other.
 #pragma once
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// The keys of a fur setup, without those of its lights (light_schema.cpp), and the list of all for people.
+// The keys of a fur setup, without those of its lights (light_setup.cpp), and the list of all for people.
 //
 // Bounds are there to catch slips (millimetres for metres, a missing decimal point) and to keep
 // hostile files from asking for absurd amounts of work; they are far outside what looks good.

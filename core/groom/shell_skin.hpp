@@ -1,5 +1,5 @@
-// What a layer of shells is made of: the triangles that fur grows on, and what each of their vertices
-// knows of it.
+// What a layer of shells is made of: the triangles that fur grows on, what each of their vertices
+// knows of it, and whose the fins on their edges are.
 //
 // A triangle is a strand of the layer: chunks are cut, skinned, culled and measured as those of any
 // other. It takes a place of its middle, which decides which chunk it is in and nothing that is drawn;
@@ -46,5 +46,18 @@ class ShellSkin {
   std::vector<GroomedStrand> corners_;
   std::vector<ShellColours> colours_;  // of each vertex of the mesh
 };
+
+// Which triangle of a layer of shells has the fin on an edge (core/chunk.hpp, FinEdgeBlock): a word for each of
+// `triangles`, which are in the mesh's order. `duplicates`: FindSeamDuplicates of the mesh.
+//
+// An edge is known by its two vertices, those that differ in texture coordinates alone taken as one:
+// across a seam, and across the border of two chunks, it is the same edge. Of its triangles that
+// fur grows on the first of the mesh owns it; so does the only one of an edge where the mesh or the
+// fur ends.
+//
+// Invariant: every edge of the layer is owned once. An edge between a vertex and itself, of a
+// triangle that is none, has no owner.
+std::vector<uint32_t> FindFinEdges(const Mesh&, std::span<const uint32_t> duplicates,
+                                   std::span<const ScatterPoint> triangles);
 
 }  // namespace pelt

@@ -20,7 +20,7 @@
 //
 // Coordinates are relative to the chain's root. Invariant: a shape treats lanes independently, and
 // from finite input gives finite output. Operands that are vectors are named
-// (platform_sim/pricing/written_order.hpp).
+// (platform_sim/pricing/trace.hpp).
 #pragma once
 
 #include <cstdint>

@@ -20,8 +20,8 @@
 
 #include "core/chunk.hpp"
 #include "core/kernel.hpp"
-#include "core/lighting.hpp"
 #include "core/streams.hpp"
+#include "core/surroundings.hpp"
 
 namespace pelt {
 

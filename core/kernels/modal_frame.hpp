@@ -76,7 +76,7 @@ PELT_INLINE void CarryFrame(const ModalTableBlock& t, Vec3<W> rest, const Motion
   }
 }
 
-// Of a group of chains on W, at lanes `at` (core/simd/lanes.hpp).
+// Of a group of chains on W, at lanes `at` (core/simd/records.hpp).
 template <class W, uint32_t kPoints, class Ports>
 struct FrameStart {
   static constexpr uint32_t N = NodesOf(kPoints), kParts = kPoints - 1;
@@ -294,7 +294,7 @@ inline constexpr float kStillTurn = 1.0e-6f, kStillTouching = 1.0e-5f;
 // The share of its way that a lane goes astray, and for how long, s, before it is kept as it is.
 inline constexpr float kAstray = 0.3f, kRestless_s = 0.75f;
 
-// Of a group of chains on W, at lanes `at` (core/simd/lanes.hpp).
+// Of a group of chains on W, at lanes `at` (core/simd/records.hpp).
 template <class W, uint32_t kPoints, class Ports>
 struct FrameEnd {
   static constexpr uint32_t N = NodesOf(kPoints), kParts = kPoints - 1;

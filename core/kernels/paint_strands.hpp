@@ -21,8 +21,8 @@
 #include <string_view>
 
 #include "core/kernel.hpp"
-#include "core/paint_brush.hpp"
 #include "core/streams.hpp"
+#include "core/surroundings.hpp"
 
 namespace pelt {
 

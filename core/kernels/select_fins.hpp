@@ -9,7 +9,7 @@
 // seen from above, hair and sight are one direction, which n is square to: no fin.
 // Source: Lengyel, Praun, Finkelstein, Hoppe, Real-Time Fur over Arbitrary Surfaces, I3D 2001.
 //
-// Invariant: one of the triangles that share an edge owns it (groom/fin_edges.hpp), so no fin is
+// Invariant: one of the triangles that share an edge owns it (groom/shell_skin.hpp), so no fin is
 // drawn twice. A fin whose plane is lost, its edge or its hair without length or its hair along the
 // edge, is not drawn, nor one that the eye is on. All lanes of the block are written: zero
 // behind the triangles that live.

@@ -40,7 +40,7 @@ class ModalCourse {
   // Of the table's frame (modal_table.hpp).
   double push_ratio() const { return push_ratio_; }
 
-  // What the next frame takes over, but for the table, for an archive (jobs/state_bytes.hpp). What
+  // What the next frame takes over, but for the table, for an archive (jobs/scene_snapshot.cpp). What
   // follows from the rod is worked out again when it is needed: ForgetLayer after reading.
   static void ListState(auto& io, auto& self) {
     io(self.begun_);

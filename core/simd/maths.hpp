@@ -64,7 +64,7 @@ struct Vec3 {
   }
   PELT_INLINE friend Vec3 Normalize(Vec3 a) { return a * Rsqrt(Dot(a, a)); }
   // x * a + y * b + z * c. Written as three products of vectors, the compiler would choose which of
-  // them is computed first, and with it what a recorded kernel costs (written_order.hpp).
+  // them is computed first, and with it what a recorded kernel costs (pricing/trace.hpp).
   PELT_INLINE friend Vec3 Combine(Vec3 x, V a, Vec3 y, V b, Vec3 z, V c) {
     return {x.x * a + y.x * b + z.x * c, x.y * a + y.y * b + z.y * c, x.z * a + y.z * b + z.z * c};
   }

@@ -15,9 +15,9 @@ namespace {
 constexpr uint32_t kStreamBytes = 1 << 20;
 
 // Runs streams and notes the first error; a platform was checked before, so there is none.
-class Bench {
+class CellBench {
  public:
-  Bench(const CellMemoryParameters& p, std::string& error) : p_(p), error_(error) {}
+  CellBench(const CellMemoryParameters& p, std::string& error) : p_(p), error_(error) {}
 
   bool Failed() const { return !error_.empty(); }
 
@@ -70,7 +70,7 @@ class Bench {
   std::string& error_;
 };
 
-SharedMemory MeasureMemory(const CellMemoryParameters& p, Bench& bench) {
+SharedMemory MeasureMemory(const CellMemoryParameters& p, CellBench& bench) {
   SharedMemory m;
   m.read_rate = bench.Rate(p.spu_count, true, false);
   m.write_rate = bench.Rate(p.spu_count, false, true);
@@ -111,7 +111,7 @@ Result<ConsoleMachine> MakeCell(const CellMemoryParameters& p, const DispatchPar
   m.availability = p.Availability();
   m.availability_from = "measured on a retail PS3";
 
-  Bench bench(p, error);
+  CellBench bench(p, error);
   m.memory = MeasureMemory(p, bench);
   if (bench.Failed()) return Failure{error};
   m.command_cycles = Cycles(p.ChannelCycles()) * p.channels_per_command;

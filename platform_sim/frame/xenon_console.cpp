@@ -19,9 +19,9 @@ constexpr uint32_t kStreamLines = 16384;
 
 using Trace = std::vector<MemoryAccess>;
 
-class Bench {
+class XenonBench {
  public:
-  Bench(const CacheMemoryParameters& p, std::string& error) : p_(p), error_(error) {}
+  XenonBench(const CacheMemoryParameters& p, std::string& error) : p_(p), error_(error) {}
 
   bool Failed() const { return !error_.empty(); }
 
@@ -68,7 +68,7 @@ class Bench {
   std::string& error_;
 };
 
-SharedMemory MeasureMemory(const CacheMemoryParameters& p, Bench& bench) {
+SharedMemory MeasureMemory(const CacheMemoryParameters& p, XenonBench& bench) {
   SharedMemory m;
   m.units_per_port = p.core.smt_threads;
   m.read_rate = bench.Rate(p.cores, false);
@@ -98,7 +98,7 @@ Result<ConsoleMachine> MakeXenon(const XenonParameters& p) {
   m.availability = p.Availability();
   m.availability_from = "the PS3's: none was measured on an Xbox 360";
 
-  Bench bench(p, error);
+  XenonBench bench(p, error);
   m.memory = MeasureMemory(p, bench);
   if (bench.Failed()) return Failure{error};
   m.largest_transfer_bytes = p.line_bytes;

@@ -1,6 +1,6 @@
-#include "platform_sim/memory/bus.hpp"
-
 #include <algorithm>
+
+#include "platform_sim/memory/cell_memory.hpp"
 
 namespace pelt {
 

@@ -7,7 +7,6 @@
 #include <map>
 
 #include "core/format.hpp"
-#include "platform_sim/pipeline/listing_repeats.hpp"
 #include "platform_sim/pipeline/listing_text.hpp"
 
 namespace pelt {

@@ -8,7 +8,7 @@
 // '#', '//' and /* */ begin comments; so does ';' at the start of a line, or ';;'. Another ';'
 // separates statements. Directives are skipped, but .align, .balign and .p2align pad with
 // instructions (nop and lnop), as the assembler does, because addresses decide what pairs; and
-// .rept ... .endr is written out (listing_repeats.hpp).
+// .rept ... .endr is written out (listing_text.hpp).
 //
 // Invariant: what it cannot read it refuses, with file, line, what it found and what it expected;
 // a listing that is read has only targets inside itself. Not looked into: the values of immediates

@@ -1,8 +1,8 @@
-// The words of a listing: comments taken out, statements and operands cut apart, numbers read.
-// What they mean is listing.cpp's.
+// The words of a listing: comments taken out, statements and operands cut apart, numbers read, what is repeated written
+// out. What they mean is listing.cpp's.
 //
-// Invariant: nothing here fails; what is no number is no value, what is no statement is left out,
-// and views point into the caller's text.
+// Invariant: but for repeats nothing here fails; what is no number is no value, what is no statement is left out, and
+// views point into the caller's text.
 #pragma once
 
 #include <cstdint>
@@ -40,5 +40,18 @@ std::vector<std::string_view> SplitOperands(std::string_view text);
 
 // At blanks.
 std::vector<std::string_view> SplitWords(std::string_view text);
+
+// .rept N ... .endr of a listing, written out as the assembler would: a loop that is unrolled by
+// hand is written so.
+//
+// Invariant: every statement keeps the line that it stands on, and there are never more than
+// kMaxListingStatements, regardless of what the counts multiply to.
+
+inline constexpr uint32_t kMaxListingStatements = 1u << 20;
+
+// Nothing, and the reason in `error` with its place in `line`, for a count that is none, too many
+// statements, or a .rept and a .endr that do not belong to each other.
+std::optional<std::vector<Statement>> WriteOutRepeats(std::vector<Statement> statements,
+                                                      std::string& error, uint32_t& line);
 
 }  // namespace pelt

@@ -9,7 +9,7 @@
 #include "core/random.hpp"
 #include "platform_sim/memory/xenon_memory.hpp"
 #include "platform_sim/pipeline/issue_walk.hpp"
-#include "platform_sim/pricing/written_order.hpp"
+#include "platform_sim/pricing/trace.hpp"
 #include "platform_sim/schedule/schedule.hpp"
 
 namespace pelt {

@@ -1,7 +1,7 @@
 // What a kernel costs on a core, from one item's trace.
 //
 // The trace is put in the order its source was written in, regardless of which compiler built the kernels
-// (written_order.hpp). A few windows of it, spread over it, are lowered, put on registers and
+// (trace.hpp). A few windows of it, spread over it, are lowered, put on registers and
 // timed, as they are written and scheduled: the two ends of every price. What compilers and hands
 // reached lies between (measured_kernels.hpp). A window begins and ends where the
 // fewest values are alive, which is between two iterations of a loop. Each is taken twice, once
@@ -27,7 +27,7 @@
 #include "core/error.hpp"
 #include "platform_sim/platforms/caches.hpp"
 #include "platform_sim/pricing/priced_core.hpp"
-#include "platform_sim/pricing/recorded_operation.hpp"
+#include "platform_sim/pricing/trace.hpp"
 #include "platform_sim/schedule/straight_code.hpp"
 
 namespace pelt {

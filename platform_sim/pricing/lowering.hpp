@@ -18,7 +18,7 @@
 #include <string_view>
 #include <vector>
 
-#include "platform_sim/pricing/simplify_trace.hpp"
+#include "platform_sim/pricing/trace.hpp"
 #include "platform_sim/schedule/straight_code.hpp"
 
 namespace pelt {

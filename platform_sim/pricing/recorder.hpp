@@ -20,7 +20,7 @@
 #include <map>
 #include <vector>
 
-#include "platform_sim/pricing/recorded_operation.hpp"
+#include "platform_sim/pricing/trace.hpp"
 
 namespace pelt {
 

@@ -258,7 +258,7 @@ struct RecordingVec {
     const float* p = base + at.value;
     return {Base(*p), recording::Load(Kind::kLoadSplat, p, sizeof(float), at.id)};
   }
-  // What core/simd/lanes.hpp asks for: consoles have neither gather nor scatter, so a load for each
+  // Of picked lanes (core/simd/records.hpp): consoles have neither gather nor scatter, so a load for each
   // lane that all but it forget, and for each a quad that is read, changed and written.
   static RecordingVec LoadPicked(const float* row, const int32_t* lanes) {
     RecordingVec picked = LoadSplat(row, uint32_t(lanes[0]));

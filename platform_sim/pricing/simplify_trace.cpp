@@ -1,9 +1,9 @@
-#include "platform_sim/pricing/simplify_trace.hpp"
-
 #include <algorithm>
 #include <compare>
 #include <map>
 #include <span>
+
+#include "platform_sim/pricing/trace.hpp"
 
 namespace pelt {
 namespace {

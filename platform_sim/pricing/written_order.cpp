@@ -1,9 +1,8 @@
-#include "platform_sim/pricing/written_order.hpp"
-
 #include <algorithm>
 #include <map>
 
 #include "platform_sim/pricing/recorder.hpp"
+#include "platform_sim/pricing/trace.hpp"
 
 namespace pelt {
 namespace {

@@ -1,7 +1,7 @@
 // A job's nominal time is work at the model's rate: availability stretches it. What dispatching
 // costs was measured as it is.
-#include "platform_sim/frame/job_dispatch.hpp"
 #include "platform_sim/rows/predictions.hpp"
+#include "platform_sim/rows/row_work.hpp"
 
 namespace pelt::rows {
 namespace {

@@ -1,5 +1,5 @@
 // Running the measured rows' work: listings through the cores and caches, transfers through the
-// Cell's memory. Nothing here knows what was measured.
+// Cell's memory, jobs through its queue. Nothing here knows what was measured.
 //
 // Invariant: a row's work is the same on every platform that it is run on; what changes is how long the
 // models say it takes.
@@ -63,5 +63,28 @@ std::optional<SpuRun> RunStream(const CellMemoryParameters& p, const StreamOfBlo
 std::optional<SpuRun> RunLocalStoreReads(const CellMemoryParameters& p,
                                          const std::vector<int>& reads, uint32_t blocks,
                                          std::string& error);
+
+// ---- jobs -----------------------------------------------------------------------------------
+//
+// A queue of jobs on some SPEs: who waits for whom.
+//
+// The PPE dispatches serially; an SPE that has fewer jobs than it may have gets the next one, the
+// emptiest SPE first. With long jobs the SPEs are the limit, with short ones the PPE is, however
+// many SPEs there are: that floor is row J4.
+//
+// Not modelled: contention on the queue's lock, the jobs' data (see memory/cell_memory.hpp).
+
+struct JobRun {
+  int64_t finish_ps = 0;
+  int64_t ppe_busy_ps = 0;
+  int64_t spe_busy_ps = 0;  // of all of them
+
+  double MicrosecondsPerJob(uint64_t jobs) const { return double(finish_ps) / 1e6 / double(jobs); }
+};
+
+// `jobs` equal jobs of `job_ns` on `spe_count` SPEs, `job_ns` as it really takes: an availability
+// is the caller's to apply. False, and why in `error`, for none of either.
+bool RunJobs(const DispatchParameters& p, uint32_t spe_count, uint64_t jobs, double job_ns,
+             JobRun& run, std::string& error);
 
 }  // namespace pelt

@@ -1,6 +1,6 @@
-#include "platform_sim/schedule/dependence_graph.hpp"
-
 #include <algorithm>
+
+#include "platform_sim/schedule/schedule.hpp"
 
 namespace pelt {
 namespace {

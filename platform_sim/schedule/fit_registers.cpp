@@ -1,10 +1,8 @@
-#include "platform_sim/schedule/fit_registers.hpp"
-
 #include <algorithm>
 #include <map>
 
 #include "core/format.hpp"
-#include "platform_sim/schedule/value_uses.hpp"
+#include "platform_sim/schedule/schedule.hpp"
 
 namespace pelt {
 namespace {

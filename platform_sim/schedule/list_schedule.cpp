@@ -1,5 +1,3 @@
-#include "platform_sim/schedule/list_schedule.hpp"
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -8,9 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "platform_sim/schedule/scheduling_core.hpp"
-#include "platform_sim/schedule/straight_code.hpp"
-#include "platform_sim/schedule/value_uses.hpp"
+#include "platform_sim/schedule/schedule.hpp"
 
 namespace pelt {
 namespace {
@@ -50,7 +46,7 @@ class PressureProfile {
 
 class RegisterGuard {
  public:
-  // The code fits (fit_registers.hpp).
+  // The code fits (FitRegisters).
   RegisterGuard(const StraightCode& code, const ValueUses& uses, const SchedulingCore& core);
 
   // The first instruction that has not issued; the program's size when all have.

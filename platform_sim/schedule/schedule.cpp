@@ -11,14 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/error.hpp"
-#include "platform_sim/schedule/dependence_graph.hpp"
-#include "platform_sim/schedule/fit_registers.hpp"
-#include "platform_sim/schedule/list_schedule.hpp"
-#include "platform_sim/schedule/scheduling_core.hpp"
-#include "platform_sim/schedule/straight_code.hpp"
-#include "platform_sim/schedule/value_uses.hpp"
-
 namespace pelt {
 namespace {
 

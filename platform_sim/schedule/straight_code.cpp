@@ -52,4 +52,22 @@ bool CheckStraightCode(const StraightCode& code, uint32_t class_count, std::stri
   return true;
 }
 
+ValueUses::ValueUses(const StraightCode& code)
+    : writer_(code.value_count(), kNoTarget),
+      first_(code.value_count() + 1, 0),
+      count_(code.value_count(), 0) {
+  for (const Instruction& instruction : code.program)
+    for (const uint32_t value : instruction.reads) ++first_[value + 1];
+  for (uint32_t v = 0; v < code.value_count(); ++v) first_[v + 1] += first_[v];
+  readers_.resize(first_.back());
+  for (uint32_t i = 0; i < code.program.size(); ++i) {
+    for (const uint32_t value : code.program[i].writes) writer_[value] = i;
+    for (const uint32_t value : code.program[i].reads) {
+      uint32_t& count = count_[value];
+      if (count && readers_[first_[value] + count - 1] == i) continue;  // reads it twice
+      readers_[first_[value] + count++] = i;
+    }
+  }
+}
+
 }  // namespace pelt

@@ -11,6 +11,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -56,6 +57,23 @@ struct FinishedCode {
   uint32_t made_again = 0;         // instructions that run once more, instead of a spill
   uint32_t padding = 0;            // nop and lnop that put pairs into fetch groups
   uint32_t most_live_vectors = 0;  // after spilling: at most what the core has
+};
+
+// Who writes and who reads each value of straight code: readers in program order, each once.
+class ValueUses {
+ public:
+  explicit ValueUses(const StraightCode& code);
+
+  // kNoTarget: none, it is there when the code begins.
+  uint32_t WriterOf(uint32_t value) const { return writer_[value]; }
+  std::span<const uint32_t> ReadersOf(uint32_t value) const {
+    return std::span(readers_).subspan(first_[value], count_[value]);
+  }
+
+ private:
+  std::vector<uint32_t> writer_;
+  std::vector<uint32_t> first_, count_;  // of each value, into readers_
+  std::vector<uint32_t> readers_;
 };
 
 }  // namespace pelt

@@ -6,8 +6,8 @@
 
 #include <cmath>
 
-#include "bench/accuracy/fixed_problems.hpp"
 #include "bench/accuracy/named_solver.hpp"
+#include "bench/accuracy/solver_checks.hpp"
 #include "bench/accuracy/solver_run.hpp"
 #include "bench/accuracy/solver_timing.hpp"
 #include "tests/accuracy/suite.hpp"

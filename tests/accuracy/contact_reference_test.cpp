@@ -1,8 +1,8 @@
 // What errors of contact are measured from is itself right where the motion is known. That it
 // converges on what is measured: feature_errors_test.cpp.
-#include "bench/accuracy/contact_reference.hpp"
-
 #include <gtest/gtest.h>
+
+#include "bench/accuracy/reference_integrator.hpp"
 
 namespace pelt::accuracy {
 namespace {

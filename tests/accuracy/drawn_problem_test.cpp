@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "bench/accuracy/error_metric.hpp"
-#include "bench/accuracy/rod_problem.hpp"
+#include "bench/accuracy/model_error.hpp"
 #include "bench/accuracy/work_precision.hpp"
 
 namespace pelt::accuracy {

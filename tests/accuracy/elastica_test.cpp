@@ -1,6 +1,4 @@
 // The clamped rod under its own weight: the exact solution, and how far 3 and 4 links are from it.
-#include "bench/accuracy/elastica.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "bench/accuracy/solver_checks.hpp"
 #include "core/modal/modal_material.hpp"
 
 namespace pelt::accuracy {

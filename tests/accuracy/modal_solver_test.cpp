@@ -7,8 +7,7 @@
 
 #include <cmath>
 
-#include "bench/accuracy/fixed_problems.hpp"
-#include "bench/accuracy/stability.hpp"
+#include "bench/accuracy/solver_checks.hpp"
 #include "bench/accuracy/stress.hpp"
 #include "tests/accuracy/suite.hpp"
 

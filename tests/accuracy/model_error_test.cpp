@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "bench/accuracy/elastica.hpp"
 #include "bench/accuracy/modal_solver.hpp"
 #include "bench/accuracy/quantile.hpp"
+#include "bench/accuracy/solver_checks.hpp"
 #include "bench/accuracy/solver_run.hpp"
 
 namespace pelt::accuracy {

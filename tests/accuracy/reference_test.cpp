@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "bench/accuracy/dop853.hpp"
-#include "bench/accuracy/fixed_problems.hpp"
 #include "bench/accuracy/reference_integrator.hpp"
+#include "bench/accuracy/solver_checks.hpp"
 
 namespace pelt::accuracy {
 namespace {

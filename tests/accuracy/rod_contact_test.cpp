@@ -6,9 +6,8 @@
 
 #include <map>
 
-#include "bench/accuracy/elastica.hpp"
 #include "bench/accuracy/quantile.hpp"
-#include "bench/accuracy/rod_strike.hpp"
+#include "bench/accuracy/solver_checks.hpp"
 
 namespace pelt::accuracy {
 namespace {

@@ -1,9 +1,9 @@
 // Strands of whole scenes against their own rods: nearer the better they are simulated, and off by what is planted.
-#include "bench/accuracy/scene_rod.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
+
+#include "bench/accuracy/scene_precision.hpp"
 
 namespace pelt::accuracy {
 namespace {

@@ -1,10 +1,9 @@
 // What whole scenes survive: every promise of every row, and that the rows detect a broken one.
-#include "bench/accuracy/scene_stress.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cstdio>
 
+#include "bench/accuracy/stress.hpp"
 #include "core/isa.hpp"
 
 namespace pelt::accuracy {

@@ -1,11 +1,10 @@
 // The energy, spectrum, static-shape and stress problems, with solvers whose figures are known.
-#include "bench/accuracy/stability.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "bench/accuracy/comparison/comparison.hpp"
+#include "bench/accuracy/solver_checks.hpp"
 #include "bench/accuracy/solver_run.hpp"
 #include "bench/accuracy/stress.hpp"
 

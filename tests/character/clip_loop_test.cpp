@@ -1,8 +1,7 @@
-#include "core/character/clip_loop.hpp"
-
 #include <gtest/gtest.h>
 
 #include "core/character/builtin_character.hpp"
+#include "core/character/clips.hpp"
 #include "core/character/gltf_import.hpp"
 #include "tests/character/gltf_builder.hpp"
 #include "tests/character/shared_files.hpp"

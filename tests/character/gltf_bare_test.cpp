@@ -1,9 +1,8 @@
 // Which materials carry no fur by themselves, and that layers hold to it.
-#include "core/character/gltf_bare.hpp"
-
 #include <gtest/gtest.h>
 
 #include "core/character/gltf_import.hpp"
+#include "core/character/gltf_mesh.hpp"
 #include "core/character/pose.hpp"
 #include "core/groom/growth.hpp"
 #include "core/groom/setup_names.hpp"

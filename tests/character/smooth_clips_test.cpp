@@ -1,10 +1,9 @@
 // Sampled motion between its keys: as it was where it was smooth, still where it was still.
-#include "core/character/smooth_clips.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "core/character/clips.hpp"
 #include "core/character/gltf_import.hpp"
 #include "core/character/pose.hpp"
 #include "core/exact_math.hpp"

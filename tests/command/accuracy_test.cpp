@@ -7,10 +7,7 @@
 #include <set>
 #include <string>
 
-#include "bench/accuracy/report/accuracy_features.hpp"
 #include "bench/accuracy/report/accuracy_report.hpp"
-#include "bench/accuracy/report/accuracy_scene.hpp"
-#include "bench/accuracy/report/accuracy_section.hpp"
 #include "bench/command/commands.hpp"
 #include "core/error.hpp"
 #include "core/file_bytes.hpp"

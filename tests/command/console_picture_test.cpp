@@ -7,7 +7,6 @@
 #include <set>
 
 #include "bench/consoles/console_report.hpp"
-#include "bench/consoles/console_timeline.hpp"
 #include "bench/report/embedded_page.hpp"
 #include "bench/report/timeline.hpp"
 #include "tests/command/modelled_console.hpp"

@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/command/commands.hpp"
-#include "bench/command/groom_diff.hpp"
 #include "core/error.hpp"
 #include "core/file_bytes.hpp"
 #include "core/groom/groom_file.hpp"

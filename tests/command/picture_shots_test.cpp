@@ -8,7 +8,7 @@
 #include <set>
 
 #include "bench/command/commands.hpp"
-#include "bench/picture/png_chunks.hpp"
+#include "bench/picture/png.hpp"
 #include "core/exact_math.hpp"
 #include "core/file_bytes.hpp"
 #include "core/groom/fur_setup.hpp"

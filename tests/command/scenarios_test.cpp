@@ -6,8 +6,8 @@
 #include <cstring>
 #include <set>
 
-#include "bench/scenarios/cast.hpp"
 #include "bench/scenarios/embedded_files.hpp"
+#include "bench/scenarios/made_scenes.hpp"
 #include "core/character/builtin_character.hpp"
 #include "core/file_bytes.hpp"
 #include "core/kernels/frame_table.hpp"

@@ -7,7 +7,6 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "bench/verify/merge_shards.hpp"
 #include "bench/verify/verify.hpp"
 #include "tests/error_from.hpp"
 

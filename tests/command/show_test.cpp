@@ -3,9 +3,8 @@
 
 #include <algorithm>
 
-#include "bench/picture/uv_template.hpp"
+#include "bench/command/commands.hpp"
 #include "bench/scenarios/scenarios.hpp"
-#include "bench/scenarios/starting_setup.hpp"
 #include "core/character/pose.hpp"
 #include "core/error.hpp"
 #include "core/groom/bake.hpp"

@@ -16,7 +16,6 @@
 #include "core/character/builtin_character.hpp"
 #include "core/character/gltf_import.hpp"
 #include "core/character/pose.hpp"
-#include "core/character/pose_rates.hpp"
 #include "core/error.hpp"
 #include "core/groom/bake.hpp"
 #include "core/groom/groom_file.hpp"

@@ -1,6 +1,4 @@
 // Which triangle has the fin on an edge.
-#include "core/groom/fin_edges.hpp"
-
 #include <gtest/gtest.h>
 
 #include <array>
@@ -8,6 +6,7 @@
 #include <map>
 
 #include "core/groom/groom_file.hpp"
+#include "core/groom/shell_skin.hpp"
 #include "tests/groom/groom_validator.hpp"
 #include "tests/groom/torus_character.hpp"
 

@@ -1,10 +1,10 @@
 // The texture that shells are cut from.
-#include "core/groom/fur_texture.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+
+#include "core/groom/layer_params.hpp"
 
 namespace pelt {
 namespace {

@@ -1,6 +1,4 @@
 // [lights] of a fur setup: every key lands, mistakes are reported at their line, and a frame takes it.
-#include "core/groom/light_setup.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "bench/picture/png_chunks.hpp"
+#include "bench/picture/png.hpp"
 
 namespace pelt::test {
 

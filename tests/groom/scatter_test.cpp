@@ -8,7 +8,6 @@
 #include <set>
 
 #include "core/groom/sample_elimination.hpp"
-#include "core/groom/scatter_stats.hpp"
 #include "core/random.hpp"
 #include "tests/error_from.hpp"
 #include "tests/groom/torus_character.hpp"

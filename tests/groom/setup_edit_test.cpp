@@ -1,5 +1,4 @@
-#include "core/groom/setup_edit.hpp"
-
+// A key changed in the text of a fur setup.
 #include <gtest/gtest.h>
 
 #include "core/error.hpp"

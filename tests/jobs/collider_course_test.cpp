@@ -1,5 +1,5 @@
 // What a scene makes of the places and velocities of its colliders, frame by frame.
-#include "jobs/collider_course.hpp"
+#include "jobs/colliders.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // A capsule that is bound to a joint goes where the joint goes: the frame with it is the frame with
 // a free one at that place, bit for bit.
-#include "jobs/place_capsules.hpp"
+#include "jobs/colliders.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <memory>
 
-#include "core/kernels/anchors.hpp"
 #include "tests/kernels/run_kernel.hpp"
 
 namespace pelt {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "bench/picture/gl_renderer.hpp"
-#include "bench/picture/order_error.hpp"
 #include "tests/jobs/tiny_scene.hpp"
+#include "tests/picture/order_error.hpp"
 
 namespace pelt::testing {
 

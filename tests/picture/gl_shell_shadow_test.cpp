@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "bench/picture/scene_shadows.hpp"
-#include "bench/picture/shell_shadow.hpp"
+#include "bench/picture/shadows.hpp"
 #include "tests/picture/gl_pictures.hpp"
 
 namespace pelt {

@@ -1,5 +1,5 @@
 // Pictures of a few hairs in right and wrong orders.
-#include "bench/picture/order_error.hpp"
+#include "tests/picture/order_error.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,6 +8,8 @@
 
 namespace pelt {
 namespace {
+
+using namespace testing;
 
 // The eye 1 m before the origin, on the axis z.
 Camera TestCamera() {

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "bench/picture/body.hpp"
-#include "bench/picture/frame_light.hpp"
 #include "bench/picture/hairs.hpp"
 #include "bench/picture/relief_coat.hpp"
 #include "bench/picture/skin_fur.hpp"

@@ -1,10 +1,10 @@
 // The picture's shadow map: order of drawing leaves no trace, and what lies before a place keeps light from it.
-#include "bench/picture/shadow_map.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <random>
+
+#include "bench/picture/shadows.hpp"
 
 namespace pelt {
 namespace {

@@ -1,11 +1,10 @@
 // What shells keep of the sun: as much as the hairs that they stand for, each once.
-#include "bench/picture/shell_shadow.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <vector>
 
+#include "bench/picture/shadows.hpp"
 #include "bench/shading/shading.hpp"
 #include "core/random.hpp"
 #include "tests/jobs/tiny_scene.hpp"

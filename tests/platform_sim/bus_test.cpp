@@ -1,6 +1,6 @@
 // What the rings of the EIB must never do. Also the platform's
 // limits: what a Cell may be, what a local store holds.
-#include "platform_sim/memory/bus.hpp"
+#include "platform_sim/memory/cell_memory.hpp"
 
 #include <set>
 

@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "platform_sim/frame/frame_clock.hpp"
-#include "platform_sim/frame/frame_summary.hpp"
+#include "platform_sim/frame/modelled_frame.hpp"
 #include "tests/determinism/planted_faults.hpp"
 #include "tests/jobs/synthetic_scene.hpp"
 #include "tests/jobs/tiny_scene.hpp"

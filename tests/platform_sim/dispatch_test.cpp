@@ -1,7 +1,7 @@
 // Job dispatch: who waits for whom. Its rows are in measured_rows_test.cpp.
 #include <gtest/gtest.h>
 
-#include "platform_sim/frame/job_dispatch.hpp"
+#include "platform_sim/rows/row_work.hpp"
 
 namespace pelt {
 namespace {

@@ -5,8 +5,6 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "platform_sim/schedule/fit_registers.hpp"
-#include "platform_sim/schedule/list_schedule.hpp"
 #include "tests/platform_sim/straight_programs.hpp"
 
 namespace pelt {

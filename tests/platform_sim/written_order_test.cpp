@@ -1,5 +1,5 @@
 // One order, whichever operand a compiler computed first.
-#include "platform_sim/pricing/written_order.hpp"
+#include "platform_sim/pricing/trace.hpp"
 
 #include <algorithm>
 #include <utility>

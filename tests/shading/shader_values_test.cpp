@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "bench/shading/gl_context.hpp"
-#include "bench/shading/gl_program.hpp"
 #include "bench/shading/shading.hpp"
 
 namespace pelt {

@@ -13,7 +13,7 @@
 #include <deque>
 #include <ostream>
 
-#include "jobs/frame_phase.hpp"
+#include "jobs/frame.hpp"
 #include "jobs/frame_scheduler.hpp"
 #include "jobs/plan.hpp"
 

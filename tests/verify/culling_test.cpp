@@ -3,7 +3,7 @@
 
 #include <cstring>
 
-#include "bench/verify/frustum.hpp"
+#include "bench/verify/checks.hpp"
 #include "core/kernels/select_lod.hpp"
 #include "tests/verify/planting.hpp"
 

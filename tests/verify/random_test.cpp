@@ -2,7 +2,6 @@
 #include <set>
 #include <string>
 
-#include "bench/verify/course_check.hpp"
 #include "bench/verify/random_course.hpp"
 #include "tests/verify/planting.hpp"
 

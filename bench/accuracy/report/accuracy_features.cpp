@@ -1,9 +1,8 @@
-#include "bench/accuracy/report/accuracy_features.hpp"
-
 #include <fmt/format.h>
 
 #include <chrono>
 
+#include "bench/accuracy/report/accuracy_report.hpp"
 #include "core/error.hpp"
 #include "core/groom/layer_params.hpp"
 

@@ -1,8 +1,8 @@
-#include "bench/accuracy/report/accuracy_scene.hpp"
-
 #include <fmt/format.h>
 
 #include <limits>
+
+#include "bench/accuracy/report/accuracy_report.hpp"
 
 namespace pelt {
 

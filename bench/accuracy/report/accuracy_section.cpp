@@ -1,11 +1,8 @@
-#include "bench/accuracy/report/accuracy_section.hpp"
-
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
 #include "bench/accuracy/report/accuracy_report.hpp"
-#include "bench/accuracy/report/accuracy_scene.hpp"
 #include "core/error.hpp"
 
 namespace pelt {

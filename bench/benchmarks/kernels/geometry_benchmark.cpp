@@ -17,7 +17,6 @@
 #include <string>
 #include <vector>
 
-#include "core/kernels/anchors.hpp"
 #include "core/kernels/bound_layer.hpp"
 #include "core/kernels/joint_palette.hpp"
 #include "core/kernels/paint_strands.hpp"

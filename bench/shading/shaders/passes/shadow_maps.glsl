@@ -1,4 +1,4 @@
-// The sun's maps, one for each character (bench/picture/gl_shadows.hpp): r, g, b the distance of
+// The sun's maps, one for each character (bench/picture/gl_parts.hpp): r, g, b the distance of
 // the nearest thing from the front, m, kept by MIN; a the sum of what covers the texel, of 255,
 // kept by ADD.
 uniform sampler2DArray shadow_maps;

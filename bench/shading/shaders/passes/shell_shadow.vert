@@ -1,5 +1,5 @@
 // A shell in the sun's map: what ends between it and the next one that casts a shadow
-// (bench/picture/shell_shadow.hpp).
+// (bench/picture/shadows.hpp).
 // After: strand_shading.glsl
 // After: spherical_harmonics.glsl
 // After: strand_light.glsl
