@@ -14,8 +14,8 @@ using V = RecordingVec;
 // As many as make a trace that windows find their places in.
 constexpr uint32_t kRecordedBodies = 2, kRecordedNewtonIterations = 8;
 
-Result<> Add(Result<Trace> trace, uint32_t iterations, double times,
-             std::vector<KernelPart>& parts) {
+Result<> AddPart(Result<Trace> trace, uint32_t iterations, double times,
+                 std::vector<KernelPart>& parts) {
   if (!trace) return Failure{trace.error()};
   parts.push_back({*std::move(trace), iterations, times});
   return Done{};
@@ -25,12 +25,12 @@ Result<> Add(Result<Trace> trace, uint32_t iterations, double times,
 Result<> RecordBodies(std::vector<KernelPart>& parts) {
   const auto bodies = std::make_unique<Bodies>();
   Pulls pulls[kRecordedBodies];
-  return Add(RecordKernel({{bodies.get(), sizeof(Bodies)}, {pulls, sizeof pulls}},
-                          [&] {
-                            for (uint32_t b = 0; b < kRecordedBodies; ++b)
-                              PullOnBody<V>(*bodies, b, pulls[b]);
-                          }),
-             kRecordedBodies * kBodies / V::kLanes, 1.0 / kRecordedBodies, parts);
+  return AddPart(RecordKernel({{bodies.get(), sizeof(Bodies)}, {pulls, sizeof pulls}},
+                              [&] {
+                                for (uint32_t b = 0; b < kRecordedBodies; ++b)
+                                  PullOnBody<V>(*bodies, b, pulls[b]);
+                              }),
+                 kRecordedBodies * kBodies / V::kLanes, 1.0 / kRecordedBodies, parts);
 }
 
 Result<> RecordFft(std::vector<KernelPart>& parts) {
@@ -44,29 +44,30 @@ Result<> RecordFft(std::vector<KernelPart>& parts) {
   uint32_t swaps = 0, log2 = 0;
   while (1u << log2 < kFftPoints) ++log2;
   auto reversal = RecordKernel(blocks, [&] { swaps = FftReversal<V>(*tables, *data); });
-  if (auto added = Add(std::move(reversal), swaps, 1.0, parts); !added) return added;
-  return Add(RecordKernel(blocks, [&] { FftButterflies<V>(*tables, *data); }),
-             kFftPoints / 2 * log2, 1.0, parts);
+  if (auto added = AddPart(std::move(reversal), swaps, 1.0, parts); !added) return added;
+  return AddPart(RecordKernel(blocks, [&] { FftButterflies<V>(*tables, *data); }),
+                 kFftPoints / 2 * log2, 1.0, parts);
 }
 
 Result<> RecordNewton(std::vector<KernelPart>& parts) {
   struct alignas(128) {
     float lanes[kNewtonChains][32] = {};
   } rows;
-  return Add(RecordKernel({{&rows, sizeof rows}},
-                          [&] {
-                            V x[kNewtonChains];
-                            for (uint32_t c = 0; c < kNewtonChains; ++c)
-                              x[c] = V::Load(rows.lanes[c]);
-                            NewtonIterations(x, kRecordedNewtonIterations);
-                            for (uint32_t c = 0; c < kNewtonChains; ++c) x[c].Store(rows.lanes[c]);
-                          }),
-             kRecordedNewtonIterations, 1.0 / kRecordedNewtonIterations, parts);
+  return AddPart(RecordKernel({{&rows, sizeof rows}},
+                              [&] {
+                                V x[kNewtonChains];
+                                for (uint32_t c = 0; c < kNewtonChains; ++c)
+                                  x[c] = V::Load(rows.lanes[c]);
+                                NewtonIterations(x, kRecordedNewtonIterations);
+                                for (uint32_t c = 0; c < kNewtonChains; ++c)
+                                  x[c].Store(rows.lanes[c]);
+                              }),
+                 kRecordedNewtonIterations, 1.0 / kRecordedNewtonIterations, parts);
 }
 
 Result<> RecordMatrices(std::vector<KernelPart>& parts) {
   const auto m = std::make_unique<Matrix[]>(3);
-  return Add(
+  return AddPart(
       RecordKernel({{m.get(), 3 * sizeof(Matrix)}}, [&] { SubtractProduct<V>(m[0], m[1], m[2]); }),
       kMatrixIterations, 1.0, parts);
 }

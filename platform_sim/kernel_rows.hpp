@@ -40,7 +40,7 @@ struct KernelRowDefinition {
   double measured;   // units of all SPUs together
   uint32_t spus;
   double units_per_pass;  // of one SPU, in giga, or what `unit` says
-  bool has_availability;  // measured on a retail PS3, as a rate (cell_system.hpp)
+  bool has_availability;  // measured on a retail PS3, as a rate (platforms/cell.hpp)
   RowClass row_class;     // plausibility: the kernel is ours, its source is not published
   Result<> (*record)(std::vector<KernelPart>& parts);
 };

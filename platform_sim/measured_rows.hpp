@@ -3,7 +3,7 @@
 // --validate` read.
 //
 // Idea: a row is its work (rows/), what was measured, how far off a prediction may be, and of which
-// kind it is, because one rule says where a platform's availability counts (cell_system.hpp): on
+// kind it is, because one rule says where a platform's availability counts (platforms/cell.hpp): on
 // what was held up over many iterations, not on single ways. Both predictions are in the result;
 // `Predicted()` is the one that the rule picks and that is compared with the measurement.
 //

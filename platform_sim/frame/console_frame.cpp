@@ -15,9 +15,9 @@ namespace pelt {
 namespace {
 
 constexpr uint32_t kMostElements = 2048;  // of a DMA list
-constexpr uint32_t kQuadBytes = 16;
+constexpr uint32_t kMovedBytes = 16;
 
-constexpr uint32_t BytesOf(ElementType type) {
+constexpr uint32_t ElementBytes(ElementType type) {
   return type == ElementType::kU8 ? 1 : type == ElementType::kU16 ? 2 : 4;
 }
 
@@ -71,8 +71,8 @@ void MovedData::MoveLivePrefix(const Frame& frame, Domain domain, uint32_t item,
                      each = row.element_count / row.lane_count;
       // A row of lanes after the other; or all that a lane has, lane after lane.
       const uint32_t pieces = row.lane_major ? 1 : each;
-      const uint32_t bytes = lanes * BytesOf(row.type) * (row.lane_major ? each : 1);
-      const uint32_t quads = (bytes + kQuadBytes - 1) / kQuadBytes * kQuadBytes;
+      const uint32_t bytes = lanes * ElementBytes(row.type) * (row.lane_major ? each : 1);
+      const uint32_t quads = (bytes + kMovedBytes - 1) / kMovedBytes * kMovedBytes;
       if (bytes == 0) continue;
       prefix.bytes += uint64_t(pieces) * quads;
       prefix.elements += pieces;

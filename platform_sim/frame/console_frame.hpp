@@ -21,7 +21,7 @@
 #include "platform_sim/frame/item_work.hpp"
 #include "platform_sim/frame/modelled_frame.hpp"
 #include "platform_sim/local_store.hpp"
-#include "platform_sim/platforms/cell_memory.hpp"
+#include "platform_sim/platforms/cell.hpp"
 #include "platform_sim/pricing/stage_costs.hpp"
 
 namespace pelt {

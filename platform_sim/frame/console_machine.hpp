@@ -10,11 +10,10 @@
 
 #include "core/error.hpp"
 #include "platform_sim/frame/shared_transfers.hpp"
-#include "platform_sim/platforms/cell_memory.hpp"
+#include "platform_sim/platforms/cell.hpp"
 #include "platform_sim/platforms/dispatch.hpp"
 #include "platform_sim/platforms/spu.hpp"
-#include "platform_sim/platforms/spu_runtime.hpp"
-#include "platform_sim/platforms/xenon_memory.hpp"
+#include "platform_sim/platforms/xenon.hpp"
 
 namespace pelt {
 

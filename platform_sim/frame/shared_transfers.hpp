@@ -14,7 +14,7 @@
 // its lines in flight free: its first bytes flow at the memory's rate.
 //
 // Invariant: every transfer flows all its bytes, once. All numbers of SharedMemory are measured on
-// the line-level models (cell_console.cpp, xenon_console.cpp); what they lose is documented in
+// the line-level models (console_machine.cpp); what they lose is documented in
 // tests/platform_sim/shared_transfers_test.cpp: both run the same streams.
 //
 // Not modelled: the 16 places of an MFC's queue (blocks of an item go as one list, which takes one

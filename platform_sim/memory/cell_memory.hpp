@@ -25,7 +25,7 @@
 
 #include "core/error.hpp"
 #include "platform_sim/memory/event_queue.hpp"
-#include "platform_sim/platforms/cell_memory.hpp"
+#include "platform_sim/platforms/cell.hpp"
 
 namespace pelt {
 

@@ -23,7 +23,7 @@
 #include <vector>
 
 #include "platform_sim/memory/event_queue.hpp"
-#include "platform_sim/platforms/caches.hpp"
+#include "platform_sim/platforms/xenon.hpp"
 
 namespace pelt {
 

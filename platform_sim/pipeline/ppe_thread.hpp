@@ -1,5 +1,5 @@
 // One hardware thread of the PPE under way: when its next instruction can dispatch, and what that
-// changes. The core with one thread (ppe_core.cpp) and with two (ppe_pair.cpp) are both made of it.
+// changes. The core with one thread and with two (ppe_core.cpp) are both made of it.
 //
 // Invariant: Propose changes nothing, so a core may ask both of its threads and take one; Commit is
 // given what Propose said, or a later cycle of the same. What the threads share is in PpeUnits.

@@ -11,10 +11,10 @@
 #include <string>
 #include <vector>
 
-#include "platform_sim/platforms/cell_memory.hpp"
+#include "platform_sim/platforms/cell.hpp"
 #include "platform_sim/platforms/dispatch.hpp"
 #include "platform_sim/platforms/gpu.hpp"
-#include "platform_sim/platforms/xenon_memory.hpp"
+#include "platform_sim/platforms/xenon.hpp"
 
 namespace pelt {
 

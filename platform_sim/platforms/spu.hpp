@@ -1,6 +1,6 @@
 // The SPU's numbers: what its core model starts from, and nothing else. A plain struct, so that a
 // test can plant a wrong number and see a measured row notice. How many there are and how fast they
-// run is the system's matter: cell_system.hpp.
+// run is the system's matter: cell.hpp.
 //
 // Sources: "SDK": IBM SDK for Multicore Acceleration 3.0, Programming Tutorial (pipelines, dual
 // issue, DMA); "GCC": GCC's SPU machine description, which agrees with it where both speak;

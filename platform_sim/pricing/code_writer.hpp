@@ -80,9 +80,7 @@ class CodeWriter {
   void EmitPlain(MachineOperation operation) { Add(operation, {}); }
 
   LoweredCode Take() {
-    for (Instruction& instruction : out_.code.program)
-      if (instruction.flow == Flow::kConditional)
-        instruction.target = uint32_t(out_.code.program.size());
+    out_.code.EndBranches();
     return std::move(out_);
   }
 

@@ -154,7 +154,7 @@ struct Window {
 };
 
 // How many values are alive between operation p - 1 and p, constants left out.
-std::vector<uint32_t> CountAlive(const Trace& trace) {
+std::vector<uint32_t> CountLiveValues(const Trace& trace) {
   const auto count = uint32_t(trace.operations.size());
   std::vector<uint32_t> last_reader(trace.value_count, 0);
   for (uint32_t o = 0; o < count; ++o)
@@ -189,7 +189,7 @@ std::vector<Window> PlaceWindows(const Trace& trace, uint32_t iterations, const 
     const auto covered = uint32_t(std::lround(double(iterations) * end / std::max(count, 1u)));
     return {{0, 0, end, std::max(covered, 1u), true}};
   }
-  const std::vector<uint32_t> alive = CountAlive(trace);
+  const std::vector<uint32_t> alive = CountLiveValues(trace);
   // The place from p on, no more than an iteration away, where the fewest values are alive.
   const auto cut = [&](uint64_t p) {
     const auto first = alive.begin() + int64_t(std::min<uint64_t>(p, count));

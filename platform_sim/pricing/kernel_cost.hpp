@@ -25,7 +25,7 @@
 #include <vector>
 
 #include "core/error.hpp"
-#include "platform_sim/platforms/caches.hpp"
+#include "platform_sim/platforms/xenon.hpp"
 #include "platform_sim/pricing/priced_core.hpp"
 #include "platform_sim/pricing/trace.hpp"
 #include "platform_sim/schedule/straight_code.hpp"
@@ -35,7 +35,7 @@ namespace pelt {
 // What first-level caches add to a kernel's price, from the addresses that its recording touched.
 //
 // A frame brings an item's blocks into the second level while the item before it is worked on
-// (frame/xenon_console.cpp). From there a kernel brings each line into the first level by a dcbt,
+// (frame/console_machine.cpp). From there a kernel brings each line into the first level by a dcbt,
 // as early as two times the way takes: that is one more instruction on the load/store unit for each
 // line, and what waiting is left where lines come faster than misses may be outstanding, or than
 // the second level gives them. Without the dcbt the first load of every line waits: both are reported.

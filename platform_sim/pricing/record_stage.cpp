@@ -25,7 +25,7 @@ const FrameTable& KernelsRecording();  // frame_table.cpp on the recording vecto
 std::span<const KernelDesc> RecordingKernels() {
   static const std::vector<KernelDesc> kernels = [] {
     std::vector<KernelDesc> all;
-    for (const FrameRow& row : KernelsRecording().rows) all.push_back(row.kernel);
+    for (const FrameEntry& entry : KernelsRecording().entries) all.push_back(entry.kernel);
     return all;
   }();
   return kernels;

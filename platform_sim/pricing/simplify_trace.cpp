@@ -11,12 +11,12 @@ namespace {
 using Kind = RecordedKind;
 
 // What is computed: equal keys, equal results.
-struct Key {
+struct OperationKey {
   Kind kind;
   uint8_t size_bytes;
   std::array<uint32_t, 4> operand;
   uint32_t bits;
-  auto operator<=>(const Key&) const = default;
+  auto operator<=>(const OperationKey&) const = default;
 };
 
 std::span<uint32_t> OperandsOf(RecordedOperation& operation) {
@@ -44,7 +44,8 @@ class Simplifier {
         if (value != kNoValue) value = same_as_[value];
       if (IsStore(operation.kind)) ForgetLoads(operation);
       if (!MayMerge(operation)) continue;
-      const Key key{operation.kind, operation.size_bytes, operation.operand, operation.bits};
+      const OperationKey key{operation.kind, operation.size_bytes, operation.operand,
+                             operation.bits};
       const uint32_t first = IsLoad(operation.kind)
                                  ? FindLoad(key, operation)
                                  : made_.try_emplace(key, operation.result).first->second;
@@ -110,7 +111,7 @@ class Simplifier {
     return !IsLoad(kind) || operation.operand_count == 0;
   }
 
-  uint32_t FindLoad(const Key& key, const RecordedOperation& operation) {
+  uint32_t FindLoad(const OperationKey& key, const RecordedOperation& operation) {
     auto [at, end] = loads_.equal_range(operation.address);
     for (; at != end; ++at)
       if (at->second.first == key) return at->second.second;
@@ -134,8 +135,9 @@ class Simplifier {
   std::vector<uint32_t> same_as_;  // the first value with what this one has
   std::vector<uint32_t> readers_;  // in here, plus kReadLater
   std::vector<RecordedOperation> operations_;
-  std::map<Key, uint32_t> made_;
-  std::multimap<int32_t, std::pair<Key, uint32_t>> loads_;  // by address, not written since
+  std::map<OperationKey, uint32_t> made_;
+  // By address, not written since.
+  std::multimap<int32_t, std::pair<OperationKey, uint32_t>> loads_;
 };
 
 }  // namespace

@@ -7,7 +7,7 @@
 namespace pelt {
 namespace {
 
-constexpr uint32_t kNever = 0xFFFFFFFF;
+constexpr uint32_t kNeverRead = 0xFFFFFFFF;
 
 bool IsConstant(const RecordedOperation& operation) {
   return operation.kind == RecordedKind::kSplat || operation.kind == RecordedKind::kIota;
@@ -44,7 +44,7 @@ class WrittenOrder {
       : old_(trace.operations),
         nodes_(trace),
         renamed_(trace.value_count, kNoValue),
-        last_reader_(trace.operations.size(), kNever),
+        last_reader_(trace.operations.size(), kNeverRead),
         is_placed_(trace.operations.size()) {}
 
   Trace Take() {
@@ -68,7 +68,9 @@ class WrittenOrder {
     uint32_t node, next_operand;
   };
 
-  bool IsNeeded(uint32_t n) const { return HasEffect(old_[n].kind) || last_reader_[n] != kNever; }
+  bool IsNeeded(uint32_t n) const {
+    return HasEffect(old_[n].kind) || last_reader_[n] != kNeverRead;
+  }
 
   // Of one operation: the nodes that its operands come from.
   template <class Function>
@@ -82,7 +84,7 @@ class WrittenOrder {
     for (auto o = uint32_t(old_.size()); o-- > 0;)
       if (const uint32_t node = nodes_.Of(o); IsNeeded(node))
         ForMakers(o, [&](uint32_t maker) {
-          if (last_reader_[maker] == kNever) last_reader_[maker] = node;
+          if (last_reader_[maker] == kNeverRead) last_reader_[maker] = node;
         });
   }
 

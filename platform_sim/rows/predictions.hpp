@@ -24,12 +24,12 @@ PredictFunction PpeVectorFma, PpeScalarFma, PpeIntegerAdd;
 PredictFunction PpeScalarFmaTwice, PpeScalarFmaBesideAdds, PpeAddsBesideScalarFma;
 PredictFunction XenonLoadHitStore, XenonSynchronisation, XenonSecondThreadGain;
 
-// DMA and bus (memory_rows.cpp). `argument`: bytes of a block.
+// DMA and bus (cell_rows.cpp). `argument`: bytes of a block.
 PredictFunction DoubleBufferedReads, DoubleBufferedWrites, EightInFlight;
 PredictFunction PairsBothWays, OneStoreReadByAll, OnePairAfterAnother;
 PredictFunction AtomicBounce, Mailbox;
 
-// Jobs (job_rows.cpp). `argument`: microseconds of a job.
+// Jobs (cell_rows.cpp). `argument`: microseconds of a job.
 PredictFunction JobsOnOneSpe, FloorOfShortJobs;
 
 }  // namespace pelt::rows

@@ -13,7 +13,6 @@
 #include "platform_sim/memory/spu_program.hpp"
 #include "platform_sim/pipeline/issue_chart.hpp"
 #include "platform_sim/pipeline/ppe_core.hpp"
-#include "platform_sim/pipeline/ppe_pair.hpp"
 #include "platform_sim/pipeline/spu_core.hpp"
 #include "platform_sim/platforms/platform.hpp"
 #include "platform_sim/rows/row_listings.hpp"

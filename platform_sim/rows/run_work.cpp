@@ -59,6 +59,13 @@ std::optional<T> Take(Result<T> result, std::string& error) {
   return std::nullopt;
 }
 
+std::optional<SpuRun> RunPrograms(const CellMemoryParameters& p,
+                                  std::vector<SpuProgram::NextStep> programs, std::string& error) {
+  SpuRun run;
+  if (!RunSpus(p, std::move(programs), run, error)) return std::nullopt;
+  return run;
+}
+
 }  // namespace
 
 std::optional<IssueChart> TimeSpuListing(const std::string& text, const SpuRules& rules,
@@ -156,9 +163,7 @@ std::optional<SpuRun> RunStream(const CellMemoryParameters& p, const StreamOfBlo
     work.put = stream.put;
     programs.push_back(DoubleBuffer(work));
   }
-  SpuRun run;
-  if (!RunSpus(p, std::move(programs), run, error)) return std::nullopt;
-  return run;
+  return RunPrograms(p, std::move(programs), error);
 }
 
 std::optional<SpuRun> RunLocalStoreReads(const CellMemoryParameters& p,
@@ -174,9 +179,7 @@ std::optional<SpuRun> RunLocalStoreReads(const CellMemoryParameters& p,
     work.buffers = 8;
     programs.push_back(DoubleBuffer(work));
   }
-  SpuRun run;
-  if (!RunSpus(p, std::move(programs), run, error)) return std::nullopt;
-  return run;
+  return RunPrograms(p, std::move(programs), error);
 }
 
 namespace {

@@ -7,7 +7,7 @@
 namespace pelt {
 namespace {
 
-constexpr uint32_t kNever = 0xFFFFFFFF;  // no further reader
+constexpr uint32_t kNoReader = 0xFFFFFFFF;  // no further reader
 constexpr uint32_t kNowhere = 0xFFFFFFFF;
 constexpr int32_t kSlotStrideBytes = 16;
 
@@ -26,9 +26,7 @@ class Fitting {
     PlaceEntryValues();
     for (uint32_t i = 0; i < in_.program.size(); ++i)
       if (!Fit(i)) return Failure{Format("instruction {}: {}", i, why_)};
-    for (Instruction& instruction : out_.code.program)
-      if (instruction.flow == Flow::kConditional)
-        instruction.target = uint32_t(out_.code.program.size());
+    out_.code.EndBranches();
     return std::move(out_);
   }
 
@@ -83,7 +81,7 @@ class Fitting {
 
   // Of each load: the first store behind it to one of its bytes.
   std::vector<uint32_t> FirstStoresOver() const {
-    std::vector<uint32_t> out(in_.program.size(), kNever);
+    std::vector<uint32_t> out(in_.program.size(), kNoReader);
     std::multimap<int64_t, uint32_t> loads;  // by address, not written yet
     uint32_t most_bytes = 0;
     for (uint32_t i = 0; i < in_.program.size(); ++i) {
@@ -122,7 +120,7 @@ class Fitting {
   uint32_t NextReader(uint32_t value) const {
     const auto readers = uses_.ReadersOf(value);
     const uint32_t done = state_[value].readers_done;
-    return done < readers.size() ? readers[done] : kNever;
+    return done < readers.size() ? readers[done] : kNoReader;
   }
 
   void Settle(uint32_t value, uint32_t name) {
@@ -145,7 +143,7 @@ class Fitting {
   void PlaceEntryValues() {
     std::vector<uint32_t> values;
     for (uint32_t v = 0; v < in_.value_count(); ++v)
-      if (uses_.WriterOf(v) == kNoTarget && NextReader(v) != kNever) values.push_back(v);
+      if (uses_.WriterOf(v) == kNoTarget && NextReader(v) != kNoReader) values.push_back(v);
     std::ranges::stable_sort(
         values, {}, [&](uint32_t v) { return std::pair(!state_[v].is_kept, NextReader(v)); });
     for (const uint32_t v : values) {
@@ -174,7 +172,7 @@ class Fitting {
     for (const uint32_t value : original.reads) {
       if (NextReader(value) != i) continue;  // reads it twice
       ++state_[value].readers_done;
-      if (NextReader(value) == kNever && !state_[value].is_kept) Leave(value);
+      if (NextReader(value) == kNoReader && !state_[value].is_kept) Leave(value);
     }
     for (uint32_t w = 0; w < original.writes.count; ++w) {
       const uint32_t value = original.writes.number[w];
@@ -182,7 +180,7 @@ class Fitting {
       Settle(value, value);
     }
     for (const uint32_t value : original.writes)
-      if (NextReader(value) == kNever) Leave(value);
+      if (NextReader(value) == kNoReader) Leave(value);
     Emit(instruction, i);
     return true;
   }

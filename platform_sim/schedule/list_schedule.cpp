@@ -199,7 +199,7 @@ void RegisterGuard::Issue(uint32_t instruction) {
   while (head_ < code_.program.size() && has_issued_[head_]) ++head_;
 }
 
-constexpr uint32_t kUnits = 8;
+constexpr uint32_t kIssueUnits = 8;
 // How many of a unit's most urgent instructions are looked at in a cycle in which none fits. More
 // find hardly anything (measured: 48 the same schedules as 16) and cost time.
 constexpr uint32_t kMostTries = 16;
@@ -310,7 +310,7 @@ class Scheduling {
   // it writes cannot take a register that only its partner frees.
   void IssueCycle() {
     uint8_t used = 0;
-    for (uint32_t u = 0; u < kUnits; ++u)
+    for (uint32_t u = 0; u < kIssueUnits; ++u)
       if (unit_free_[u] > now_) used |= uint8_t(1u << u);
     if (in_.core.fetch_groups) {
       const uint8_t first = in_.core.fetch_groups->first_units;
@@ -363,7 +363,7 @@ class Scheduling {
     out_.instruction.push_back(i);
     out_.cycle.push_back(now_);
     const SchedulingCore::Class& op = ClassOf(i);
-    for (uint32_t u = 0; u < kUnits; ++u)
+    for (uint32_t u = 0; u < kIssueUnits; ++u)
       if (op.blocks_units >> u & 1) unit_free_[u] = now_ + op.blocked_cycles;
     if (in_.code.program[i].op_class == in_.core.hold.behind_class) last_holding_ = now_;
     for (const DependenceGraph::Edge& edge : in_.graph.After(i)) {
@@ -387,7 +387,7 @@ class Scheduling {
   std::vector<bool> is_ready_, is_waiting_for_window_;
   std::vector<Unit> ready_;                 // by units
   std::vector<std::vector<uint32_t>> due_;  // by cycle, around
-  std::array<int64_t, kUnits> unit_free_{};
+  std::array<int64_t, kIssueUnits> unit_free_{};
   int64_t now_ = 0, last_holding_ = -1'000'000;
   IssueOrder out_;
 };

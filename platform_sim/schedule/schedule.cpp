@@ -122,11 +122,11 @@ std::vector<uint32_t> IterationBegins(const StraightCode& code, const ValueUses&
   return begins;
 }
 
-struct Key {
+struct OrderKey {
   uint32_t group = 0;
   int64_t progress = 0;  // into its iteration, in parts of kWhole
   uint32_t iteration = 0;
-  auto operator<=>(const Key&) const = default;
+  auto operator<=>(const OrderKey&) const = default;
 };
 constexpr int64_t kWhole = int64_t{1} << 32;
 
@@ -148,10 +148,10 @@ std::vector<bool> FindWaiting(const StraightCode& code) {
   return waits;
 }
 
-std::vector<Key> KeysOf(const StraightCode& code, const ValueUses& uses, uint32_t iterations,
-                        uint32_t together) {
+std::vector<OrderKey> KeysOf(const StraightCode& code, const ValueUses& uses, uint32_t iterations,
+                             uint32_t together) {
   const std::vector<uint32_t> begins = IterationBegins(code, uses, iterations);
-  std::vector<Key> keys(code.program.size());
+  std::vector<OrderKey> keys(code.program.size());
   for (uint32_t t = 0; t < iterations; ++t)
     for (uint32_t i = begins[t]; i < begins[t + 1]; ++i)
       keys[i] = {t / together, (i - begins[t]) * kWhole / (begins[t + 1] - begins[t]), t};
@@ -160,7 +160,7 @@ std::vector<Key> KeysOf(const StraightCode& code, const ValueUses& uses, uint32_
   const std::vector<bool> waits = FindWaiting(code);
   // Branches keep their order, so one of a younger iteration comes behind those of older ones; and
   // what decides it comes just before it: conditions are few, and nothing spills them.
-  Key last_branch;
+  OrderKey last_branch;
   for (size_t i = 0; i < keys.size(); ++i)
     if (code.program[i].flow == Flow::kConditional)
       last_branch = keys[i] = std::max(last_branch, keys[i]);
@@ -172,7 +172,7 @@ std::vector<Key> KeysOf(const StraightCode& code, const ValueUses& uses, uint32_
     const bool decides = code.file[value] == ValueFile::kCondition;
     const auto readers = uses.ReadersOf(value);
     if ((waits[value] && !decides) || readers.empty()) continue;
-    Key first = keys[readers[0]];
+    OrderKey first = keys[readers[0]];
     for (const uint32_t reader : readers) first = std::min(first, keys[reader]);
     if (!decides) first.progress -= lead;
     keys[i] = std::max(keys[i], first);
@@ -185,8 +185,8 @@ InterleavedCode InterleaveIterations(const StraightCode& code, uint32_t iteratio
                                      uint32_t together, const SchedulingCore& core) {
   const ValueUses uses(code);
   const DependenceGraph graph(code, uses, core);
-  const std::vector<Key> keys = KeysOf(code, uses, std::max(iterations, 1u), together);
-  using Waiting = std::pair<Key, uint32_t>;
+  const std::vector<OrderKey> keys = KeysOf(code, uses, std::max(iterations, 1u), together);
+  using Waiting = std::pair<OrderKey, uint32_t>;
   std::priority_queue<Waiting, std::vector<Waiting>, std::greater<>> ready;
   std::vector<uint32_t> edges_left(graph.size());
   for (uint32_t i = 0; i < graph.size(); ++i) {

@@ -30,6 +30,11 @@ struct StraightCode {
   std::vector<Instruction> program;
   std::vector<ValueFile> file;  // of each value
   uint32_t value_count() const { return uint32_t(file.size()); }
+  // Of a program that is whole.
+  void EndBranches() {
+    for (Instruction& instruction : program)
+      if (instruction.flow == Flow::kConditional) instruction.target = uint32_t(program.size());
+  }
 };
 
 // Whether the invariant above holds, for a core of so many classes. All that takes StraightCode

@@ -3,10 +3,8 @@
 
 #include "tests/platform_sim/straight_programs.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 // Makes `count` values of one that is loaded, then reads them one after another.
 StraightCode ManyLive(const CoreUnderTest& on, uint32_t count) {
@@ -298,4 +296,4 @@ TEST_F(PlantedFaults, AMissingInstructionAndARegisterOutOfTheFileAreCaught) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

@@ -1,17 +1,14 @@
 // What the rings of the EIB must never do. Also the platform's
 // limits: what a Cell may be, what a local store holds.
-#include "platform_sim/memory/cell_memory.hpp"
-
 #include <set>
 
 #include "platform_sim/frame/console_frame.hpp"
 #include "platform_sim/frame/console_machine.hpp"
+#include "platform_sim/memory/cell_memory.hpp"
 #include "tests/platform_sim/cell_work.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 // Four pairs of SPEs lie opposite each other, and any SPU may be the first.
 std::vector<CellMemoryParameters> ConsolesOfOneTopology() {
@@ -88,43 +85,27 @@ TEST(Bus, AnEmptyBusTakesALineItsBeatsAndHops) {
 }
 
 TEST(CellPlatform, ImpossibleOnesAreRefusedWithAReason) {
-  const auto why = [](const CellMemoryParameters& p) {
-    std::string error;
-    EXPECT_FALSE(CheckCellMemory(p, error));
-    return error;
-  };
-  CellMemoryParameters p;
   std::string error;
-  EXPECT_TRUE(CheckCellMemory(p, error)) << error;
-  p.spu_count = 0;
-  EXPECT_NE(why(p).find("no SPU"), std::string::npos);
-  p = {};
-  p.local_store_bytes = 16 * 1024;
-  EXPECT_NE(why(p).find("local store of 16384 bytes"), std::string::npos);
-  p = {};
-  p.clock_hz = 0;
-  EXPECT_NE(why(p).find("clock"), std::string::npos);
-  p = {};
-  p.line_bytes = 100;
-  EXPECT_NE(why(p).find("power of two"), std::string::npos);
-  p = {};
-  p.availability_permille = 0;
-  EXPECT_NE(why(p).find("availability"), std::string::npos);
-  p = {};
-  p.rings = 3;
-  EXPECT_NE(why(p).find("2 or 4"), std::string::npos);
-  p = {};
-  p.memory_line_cycles = 0;
-  EXPECT_NE(why(p).find("is zero"), std::string::npos);
-  p = {};
-  p.missing_spe[1] = p.missing_spe[0];
-  EXPECT_NE(why(p).find("missing_spe"), std::string::npos);
-  p = {};
-  p.first_spu = 6;
-  EXPECT_NE(why(p).find("first_spu"), std::string::npos);
-  p = {};
-  p.spu_count = 8;
-  EXPECT_NE(why(p).find("at most 6"), std::string::npos);
+  EXPECT_TRUE(CheckCellMemory({}, error)) << error;
+  const struct {
+    void (*spoil)(CellMemoryParameters& p);
+    const char* why;
+  } kCases[] = {{[](auto& p) { p.spu_count = 0; }, "no SPU"},
+                {[](auto& p) { p.local_store_bytes = 16 * 1024; }, "local store of 16384 bytes"},
+                {[](auto& p) { p.clock_hz = 0; }, "clock"},
+                {[](auto& p) { p.line_bytes = 100; }, "power of two"},
+                {[](auto& p) { p.availability_permille = 0; }, "availability"},
+                {[](auto& p) { p.rings = 3; }, "2 or 4"},
+                {[](auto& p) { p.memory_line_cycles = 0; }, "is zero"},
+                {[](auto& p) { p.missing_spe[1] = p.missing_spe[0]; }, "missing_spe"},
+                {[](auto& p) { p.first_spu = 6; }, "first_spu"},
+                {[](auto& p) { p.spu_count = 8; }, "at most 6"}};
+  for (const auto& c : kCases) {
+    CellMemoryParameters bad;
+    c.spoil(bad);
+    EXPECT_FALSE(CheckCellMemory(bad, error)) << c.why;
+    EXPECT_NE(error.find(c.why), std::string::npos) << error;
+  }
 }
 
 TEST(LocalStoreBudget, SaysByHowMuchItDoesNotFit) {
@@ -199,4 +180,4 @@ TEST(Platforms, WhatIsChangedOnceIsChangedEverywhere) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

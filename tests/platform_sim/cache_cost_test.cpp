@@ -1,7 +1,7 @@
 // What caches add to a price: lines, waits with and without fetching ahead.
 #include <gtest/gtest.h>
 
-#include "platform_sim/platforms/xenon_memory.hpp"
+#include "platform_sim/platforms/xenon.hpp"
 #include "platform_sim/pricing/kernel_cost.hpp"
 
 namespace pelt {

@@ -13,10 +13,8 @@
 #include "tests/jobs/tiny_scene.hpp"
 #include "tests/platform_sim/modelled_scene.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 constexpr uint32_t kFrames = 20;
 constexpr float kCyclesPerIteration = 120.0f;
@@ -34,8 +32,7 @@ Cycles Sum(const WorkCycles& cycles) {
 TEST(ConsoleFrame, DigestsAreTheSerialExecutors) {
   Scenario scenario = TinyScenario();
   for (const ConsoleMachine& machine : Consoles()) {
-    SerialExecutor serial;
-    const auto expected = RunDigests(scenario, OptionsOn(machine), serial, kFrames);
+    const auto expected = RunDigests(scenario, OptionsOn(machine), kFrames);
     const ModelledRun run = RunOn(scenario, machine, kFrames, kCyclesPerIteration);
     ExpectSameFrames(expected, run.digests, NameOf(machine));
     for (const LocalStoreFault& f : run.faults)
@@ -180,8 +177,7 @@ TEST(MovedData, DeadLanesAreNotMoved) {
   Scenario scenario = TinyScenario();
   const ConsoleMachine machine = Ps3(1);
   RunningScenario running(scenario, OptionsOn(machine));
-  running.Begin(0);
-  SerialExecutor().Run(running.scene().CurrentFrame());
+  RunFrame(running, 0);
   const Frame frame = running.scene().CurrentFrame();
   uint32_t pass = 0;
   while (frame.plan->passes[pass].domain != Domain::kChunk) ++pass;
@@ -450,4 +446,4 @@ TEST(ConsoleFrame, ADearerStageMakesALongerFrame) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

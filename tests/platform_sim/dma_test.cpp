@@ -4,10 +4,8 @@
 
 #include "tests/platform_sim/cell_work.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 TEST(DmaProperties, LinesFromThePpesL2ComeAtItsRate) {
   const CellMemoryParameters p;
@@ -311,4 +309,4 @@ TEST(DmaSplit, CoversTheBlockOnceWithLegalCommands) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

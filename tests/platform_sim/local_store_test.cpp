@@ -6,10 +6,8 @@
 
 #include "tests/jobs/synthetic_scene.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 // key -> pair -> order, so that pairs stay in local store when fused.
 struct MakePairs {
@@ -88,10 +86,13 @@ struct ReverseIntoLayer {
 const std::vector<LayerSpec> kLayers = {{0, 0, 3}, {1, 0, 2}};
 constexpr uint32_t kChunks = 5;
 
-// Runs `stages` once on each executor and compares these streams.
+// Runs `stages` once on each executor, on scenes filled like that, and compares these streams.
 LocalStoreCounts ExpectSameAsSerial(const std::vector<Stage>& stages, bool fuse,
-                                    std::initializer_list<Stream> streams) {
+                                    std::initializer_list<Stream> streams,
+                                    void (*fill)(SyntheticScene&) = nullptr) {
   SyntheticScene a(kLayers), b(kLayers);
+  for (SyntheticScene* scene : {&a, &b})
+    if (fill) fill(*scene);
   const Plan plan = CompilePlan(stages, a.shape(), {.fuse = fuse}).OrThrow();
   SerialExecutor serial;
   serial.Run({&plan, &a.memory()});
@@ -129,7 +130,7 @@ TEST(LocalStore, WholeLayersMoveAsOne) {
 // Lists of places among so many of the layer for each of its chunks.
 void FillLists(SyntheticScene& scene, uint32_t each) {
   for (uint32_t c = 0; c < kChunks; ++c) {
-    auto& order = scene.Block<PlaceBlock>(StreamOf<&Toys::order>, c);
+    auto& order = scene.Of<&Toys::order>(c);
     const uint32_t places = (c < 3 ? 3 : 2) * each;
     for (uint32_t i = 0; i < kToyLanes; ++i)  // the second half means nothing
       order.place[i] = i < kToyLanes / 2 ? (i * 37 + c) % places : ~0u;
@@ -137,39 +138,29 @@ void FillLists(SyntheticScene& scene, uint32_t each) {
 }
 
 TEST(LocalStore, GathersListedRecordsAndNothingElse) {
-  SyntheticScene a(kLayers), b(kLayers);
-  for (SyntheticScene* scene : {&a, &b}) FillLists(*scene, kToyLanes);
-  const Plan plan = CompilePlan({MakeStage<GatherCurves>(Domain::kChunk)}, a.shape(), {}).OrThrow();
-  SerialExecutor serial;
-  serial.Run({&plan, &a.memory()});
-  LocalStoreExecutor local(PlanOptions{}.local_store_data_bytes);
-  local.Run({&plan, &b.memory()});
-  EXPECT_EQ(a.DigestOf({StreamOf<&Toys::copies>}), b.DigestOf({StreamOf<&Toys::copies>}));
-  EXPECT_TRUE(local.faults().empty());
-  EXPECT_EQ(local.counts().list_elements, kChunks * kToyLanes / 2);
+  const auto counts =
+      ExpectSameAsSerial({MakeStage<GatherCurves>(Domain::kChunk)}, true, {StreamOf<&Toys::copies>},
+                         [](auto& s) { FillLists(s, kToyLanes); });
+  EXPECT_EQ(counts.list_elements, kChunks * kToyLanes / 2);
 }
 
 TEST(LocalStore, GathersWholeBlocksToo) {
-  SyntheticScene a(kLayers), b(kLayers);
-  for (SyntheticScene* scene : {&a, &b}) {
-    FillLists(*scene, 1);
-    for (uint32_t c = 0; c < kChunks; ++c)
-      scene->Block<StateBlock>(StreamOf<&Toys::state>, c).flags = 100 + c;
-  }
-  const Plan plan = CompilePlan({MakeStage<GatherStates>(Domain::kChunk)}, a.shape(), {}).OrThrow();
-  SerialExecutor serial;
-  serial.Run({&plan, &a.memory()});
-  const auto& found = a.Block<PairBlock>(StreamOf<&Toys::pairs_b>, 4);
+  const auto fill = [](SyntheticScene& scene) {
+    FillLists(scene, 1);
+    for (uint32_t c = 0; c < kChunks; ++c) scene.Of<&Toys::state>(c).flags = 100 + c;
+  };
+  const std::vector<Stage> stages = {MakeStage<GatherStates>(Domain::kChunk)};
+  const auto counts = ExpectSameAsSerial(stages, true, {StreamOf<&Toys::pairs_b>}, fill);
+  constexpr uint64_t kElements = kChunks * kToyLanes / 2;
+  EXPECT_EQ(counts.list_elements, kElements);
+  EXPECT_EQ(counts.get_bytes, kChunks * sizeof(PlaceBlock) + kElements * sizeof(StateBlock));
+  SyntheticScene scene(kLayers);
+  fill(scene);
+  const Plan plan = CompilePlan(stages, scene.shape(), {}).OrThrow();
+  SerialExecutor().Run({&plan, &scene.memory()});
+  const auto& found = scene.Of<&Toys::pairs_b>(4);
   EXPECT_EQ(found.pair[0].key, 100u + 3 + 4 % 2) << "of its own layer";
   EXPECT_EQ(found.pair[1].key, 100u + 3 + (37 + 4) % 2);
-  LocalStoreExecutor local(PlanOptions{}.local_store_data_bytes);
-  local.Run({&plan, &b.memory()});
-  EXPECT_EQ(a.DigestOf({StreamOf<&Toys::pairs_b>}), b.DigestOf({StreamOf<&Toys::pairs_b>}));
-  EXPECT_TRUE(local.faults().empty());
-  constexpr uint64_t kElements = kChunks * kToyLanes / 2;
-  EXPECT_EQ(local.counts().list_elements, kElements);
-  EXPECT_EQ(local.counts().get_bytes,
-            kChunks * sizeof(PlaceBlock) + kElements * sizeof(StateBlock));
 }
 
 TEST(LocalStore, ScattersWhatWasPutAndLeavesTheRest) {
@@ -207,4 +198,4 @@ TEST(LocalStore, ReportsAPlanThatNeedsMoreThanThereIs) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

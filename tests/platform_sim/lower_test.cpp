@@ -7,10 +7,8 @@
 #include "tests/platform_sim/recording.hpp"
 #include "tests/platform_sim/timing_rows.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 Trace DotProduct() {
   return Record([](Rows& rows) {
@@ -237,4 +235,4 @@ TEST(Lowering, RecordedNewtonStepsTakeTheListingsCycles) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

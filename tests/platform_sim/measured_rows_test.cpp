@@ -11,10 +11,8 @@
 #include "platform_sim/rows/row_work.hpp"
 #include "tests/platform_sim/timing_rows.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 TEST(MeasuredRows, EachIsPredictedWithinWhatItAllows) {
   for (const RowResult& row : PredictRows()) {
@@ -174,4 +172,4 @@ TEST(MeasuredRows, ThePairsThreadsHaveHalfOfTheCyclesEach) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

@@ -13,9 +13,7 @@ namespace pelt::testing {
 
 // A local store's plan, unless the console has caches.
 inline SceneOptions OptionsOn(const ConsoleMachine& machine) {
-  SceneOptions options;
-  options.plan.must_fit = machine.local_store_bytes > 0;
-  return options;
+  return {.plan = {.must_fit = machine.local_store_bytes > 0}};
 }
 
 // Every stage takes as many cycles per iteration, a third more on a core that is shared.

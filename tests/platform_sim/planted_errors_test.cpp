@@ -7,10 +7,8 @@
 #include "platform_sim/rows/row_work.hpp"
 #include "tests/platform_sim/timing_rows.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 void AddLatency(PlatformParameters& p, SpuClass op, int cycles) {
   p.cell.spu.Of(op).latency_cycles += uint32_t(cycles);
@@ -196,4 +194,4 @@ TEST(PlantedErrors, NoLossAfterFp7IsSeenInTheTutorialsOwnCase) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

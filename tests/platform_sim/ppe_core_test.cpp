@@ -3,13 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include "platform_sim/pipeline/ppe_pair.hpp"
 #include "tests/platform_sim/timing_rows.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 IssueChart TimeOnPpe(const std::string& text, const PpeParameters& ppe = {},
                      const PpeRules& rules = {}) {
@@ -217,4 +214,4 @@ TEST(PpeParameters, SayWhatTheyAreAndHowSure) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

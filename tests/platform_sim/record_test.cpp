@@ -9,10 +9,8 @@
 #include "platform_sim/pricing/record_stage.hpp"
 #include "tests/platform_sim/recording.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 TEST(RecordingVec, SeesEveryOperationAndItsOperands) {
   const Trace trace = Record([](Rows& rows) {
@@ -187,4 +185,4 @@ TEST_F(RecordedFrame, HasTheReferencesDigest) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

@@ -7,10 +7,8 @@
 
 #include "tests/platform_sim/straight_programs.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 void ExpectGood(const StraightCode& code, const CoreUnderTest& on, const std::string& what) {
   const FinishedCode plain = InOrder(code, on.core), fast = Scheduled(code, on.core);
@@ -171,4 +169,4 @@ TEST(Scheduling, AMatrixMultiplyComesNearTheMeasuredRow) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

@@ -15,10 +15,8 @@
 #include "tests/platform_sim/modelled_scene.hpp"
 #include "tests/platform_sim/platform_rows.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using testing::PercentOff;
 
 // Equal items on every SPU: blocks in as one list, compute, blocks out as one list.
 struct Items {
@@ -127,7 +125,7 @@ Cycles Fluid(const Items& items, const ConsoleMachine& machine) {
   work.stage_count = 1;
   work.passes.push_back({0, true, 0, 0, {}, {}});
   work.passes[0].items.assign(size_t(items.spus) * items.each, item);
-  work.graph = testing::PassAfterPass(work);
+  work.graph = PassAfterPass(work);
   return TimeFrame(work, machine).cycles;
 }
 
@@ -326,4 +324,4 @@ TEST(SharedTransfers, XenonStreamsTakeAsLongAsTheCacheModel) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

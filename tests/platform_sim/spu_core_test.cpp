@@ -6,10 +6,8 @@
 #include "platform_sim/pipeline/issue_walk.hpp"
 #include "tests/platform_sim/timing_rows.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 // ---- rules -----------------------------------------------------------------------------------
 
@@ -222,4 +220,4 @@ TEST(SpuParameters, SayWhatTheyAreAndHowSure) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

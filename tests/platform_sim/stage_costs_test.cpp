@@ -14,10 +14,8 @@
 #include "tests/platform_sim/recording.hpp"
 #include "traces/digest.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 const PlatformParameters kPlatforms;
 
@@ -329,4 +327,4 @@ TEST(StageCosts, IterationsFollowTheLivingLanes) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

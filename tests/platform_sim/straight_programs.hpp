@@ -51,9 +51,7 @@ class StraightBuilder {
     added.flow = Flow::kConditional;
   }
   StraightCode Finish() {
-    for (Instruction& instruction : code.program)
-      if (instruction.flow == Flow::kConditional)
-        instruction.target = uint32_t(code.program.size());
+    code.EndBranches();
     return code;
   }
 

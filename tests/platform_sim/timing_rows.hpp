@@ -6,8 +6,6 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <sstream>
 #include <string>
 
 #include "platform_sim/pipeline/listing.hpp"
@@ -15,6 +13,7 @@
 #include "platform_sim/platforms/spu.hpp"
 #include "platform_sim/rows/row_listings.hpp"
 #include "tests/source_folder.hpp"
+#include "tests/test_folder.hpp"
 
 namespace pelt::testing {
 
@@ -35,10 +34,7 @@ inline IssueChart TimeOnSpu(const std::string& text, const SpuParameters& spu = 
 }
 
 inline std::string ReadListingFile(const std::string& name) {
-  std::ifstream in(test::SourceFolder() + "/tests/platform_sim/listings/" + name);
-  std::stringstream text;
-  text << in.rdbuf();
-  return text.str();
+  return test::ReadText(test::SourceFolder() + "/tests/platform_sim/listings/" + name);
 }
 
 // The cycles at which the instructions of the first pass are issued.

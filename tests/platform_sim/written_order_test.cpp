@@ -1,17 +1,14 @@
 // One order, whichever operand a compiler computed first.
-#include "platform_sim/pricing/trace.hpp"
-
 #include <algorithm>
 #include <utility>
 #include <vector>
 
 #include "core/kernels/unrolled.hpp"
+#include "platform_sim/pricing/trace.hpp"
 #include "tests/platform_sim/recording.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 void ExpectSame(const Trace& a, const Trace& b) {
   EXPECT_EQ(a.value_count, b.value_count);
@@ -203,4 +200,4 @@ TEST(WrittenOrder, WhatOneOperandAloneReadsGoesWithIt) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

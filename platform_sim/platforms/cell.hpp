@@ -1,9 +1,20 @@
-// The numbers of the Cell's memory: local store, MFC, EIB, memory controller, L2 seen from the
-// SPEs. Numbers only; a plain struct, so that a test can plant a wrong one and see a measured row
-// notice.
+// The Cell in numbers: what all its parts share (clock, SPUs, local store, line), and its memory (local
+// store, MFC, EIB, memory controller, L2 seen from the SPEs). The one place of these numbers; whoever
+// models a part takes them from here. Plain structs, so that a test can plant a wrong number and see a
+// measured row notice. The cores' are in spu.hpp and ppe.hpp.
 //
-// All times are cycles of the system's clock; a bus cycle is two of them. One set serves every row:
-// nothing is fitted per row.
+// Clock: 3.192 GHz. A retail PS3's timebase counts at 79.8 MHz, a fortieth of the clock (cellmark),
+// and the rows of consoles.md are a retail PS3's; "3.2 GHz" is the round figure. The quarter of a
+// percent between them moves no row over its limit, which a test holds.
+//
+// Availability: measured throughput kernels reach this part of what the exact issue model says, the
+// same for every kernel, cause unknown (cellmark; P, derived). No model applies it: cores, memory
+// and frames are timed without. It is applied in two places, and both report their figures with and
+// without: to the measured rows of work held up over many iterations (RowKind), and to a frame, for
+// the verdict whether it fits (ConsoleMachine::Available), on every console alike.
+//
+// Memory: all times are cycles of the system's clock; a bus cycle is two of them. One set serves every
+// row: nothing is fitted per row.
 //
 // Class L numbers (no source read): what makes up a DMA's latency, how many lines an MFC keeps in
 // flight, what refresh and turning the memory's direction cost, which rings an SPE's neighbours
@@ -13,12 +24,37 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "platform_sim/platforms/cell_system.hpp"
-#include "platform_sim/platforms/spu_runtime.hpp"
+#include "platform_sim/platforms/number.hpp"
+#include "platform_sim/platforms/spu.hpp"
 
 namespace pelt {
+
+struct CellSystemNumbers {
+  Number<uint32_t> spu_count = {6, "SPEs a game can use", "SPEs", "cellmark"};
+  Number<uint32_t> local_store_bytes = {256 * 1024, "local store", "B", "IBM SDK 3.0 tutorial"};
+  // Of the bus, the memory and the PPE's caches.
+  Number<uint32_t> line_bytes = {128, "line", "B", "IBM SDK 3.0 tutorial"};
+  Number<uint32_t> availability_permille = {
+      920, "availability", "of a rate", "cellmark, derived", Sureness::kPublished, 1e-3};
+};
+
+struct CellSystem : CellSystemNumbers {
+  Number<uint64_t> clock_hz = {3'192'000'000, "clock", "Hz", "cellmark: timebase x 40"};
+  SpuParameters spu = {};
+
+  double Availability() const { return availability_permille / 1000.0; }
+  double GigaHertz() const { return double(clock_hz) * 1e-9; }
+  double Nanoseconds(double cycles) const { return cycles / GigaHertz(); }
+  uint32_t ChannelCycles() const { return spu.Of(SpuClass::kChannel).latency_cycles; }
+};
+
+std::vector<PlatformNumber> DescribeCellSystem(const CellSystem& cell);
+
+// False, and why in `error`, for a system that cannot be or that no fur runs on.
+bool CheckCellSystem(const CellSystem& cell, std::string& error);
 
 struct CellMemoryNumbers {
   static constexpr std::string_view kSdk = "IBM SDK 3.0 tutorial";
@@ -92,6 +128,16 @@ struct CellMemoryNumbers {
   // Through the operating system: one of the two calls that a mailbox round trip makes.
   Number<uint32_t> os_call_ns = {5800, "operating-system call", "ns",
                                  "cellmark: half the mailbox round trip S2, not a prediction"};
+};
+
+// What of an SPU's local store belongs to no kernel: the numbers of a program that was never
+// shipped, so class L all of them.
+struct SpuRuntimeParameters {
+  // Draws items from the counter, makes and gives DMA lists, runs a pass's kernels.
+  Number<uint32_t> code_bytes = {8 * 1024, "code of the loop over items", "B", "the model's",
+                                 Sureness::kLead};
+  // Kernels have no large arrays of their own and do not call each other.
+  Number<uint32_t> stack_bytes = {8 * 1024, "stack", "B", "the model's", Sureness::kLead};
 };
 
 // The system, as its memory needs it, and the memory.

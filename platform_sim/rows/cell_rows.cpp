@@ -2,13 +2,16 @@
 #include "platform_sim/rows/row_work.hpp"
 
 namespace pelt::rows {
+
+// ---- DMA and bus --------------------------------------------------------------------------------
+
 namespace {
 
 // What was measured ran for seconds: a rate is what the second half of a short stream adds to the
 // first, so that filling and draining count for nothing.
 constexpr uint32_t kLocalStoreBlocks = 4;
 
-double SteadyRate(const SpuRun& half, const SpuRun& whole, const CellSystem& cell) {
+double SteadyGbPerSecond(const SpuRun& half, const SpuRun& whole, const CellSystem& cell) {
   return double(whole.Bytes() - half.Bytes()) / double(whole.cycles - half.cycles) *
          cell.GigaHertz();
 }
@@ -18,7 +21,7 @@ bool StreamRate(const CellParameters& cell, StreamOfBlocks stream, double availa
   const auto half = RunStream(cell, stream, error);
   stream.bytes_each *= 2;
   const auto whole = half ? RunStream(cell, stream, error) : std::nullopt;
-  if (whole) predicted = SteadyRate(*half, *whole, cell) * availability;
+  if (whole) predicted = SteadyGbPerSecond(*half, *whole, cell) * availability;
   return whole.has_value();
 }
 
@@ -27,7 +30,7 @@ bool LocalStoreRate(const CellMemoryParameters& cell, const std::vector<int>& re
   const auto half = RunLocalStoreReads(cell, reads, kLocalStoreBlocks, error);
   const auto whole =
       half ? RunLocalStoreReads(cell, reads, 2 * kLocalStoreBlocks, error) : std::nullopt;
-  if (whole) sum += SteadyRate(*half, *whole, cell);
+  if (whole) sum += SteadyGbPerSecond(*half, *whole, cell);
   return whole.has_value();
 }
 
@@ -92,6 +95,42 @@ bool AtomicBounce(const PlatformParameters& p, double availability, uint32_t, do
 bool Mailbox(const PlatformParameters& p, double availability, uint32_t, double& predicted,
              std::string&) {
   predicted = p.cell.Nanoseconds(double(MailboxRoundTripCycles(p.cell))) / 1000.0 / availability;
+  return true;
+}
+
+// ---- Jobs ---------------------------------------------------------------------------------------
+//
+// A job's nominal time is work at the model's rate: availability stretches it. What dispatching
+// costs was measured as it is.
+
+namespace {
+
+bool MicrosecondsPerJob(const DispatchParameters& jobs, uint32_t spes, double job_us,
+                        double& predicted, std::string& error) {
+  constexpr uint64_t kJobs = 5000;
+  JobRun run;
+  if (!RunJobs(jobs, spes, kJobs, job_us * 1000.0, run, error)) return false;
+  predicted = run.MicrosecondsPerJob(kJobs);
+  return true;
+}
+
+}  // namespace
+
+bool JobsOnOneSpe(const PlatformParameters& p, double availability, uint32_t job_us,
+                  double& predicted, std::string& error) {
+  return MicrosecondsPerJob(p.cell.jobs, 1, job_us / availability, predicted, error);
+}
+
+// The mean over 2 to 6 SPEs, for a job of any length.
+bool FloorOfShortJobs(const PlatformParameters& p, double availability, uint32_t job_us,
+                      double& predicted, std::string& error) {
+  double sum = 0.0;
+  for (uint32_t spes = 2; spes <= 6; ++spes) {
+    if (!MicrosecondsPerJob(p.cell.jobs, spes, job_us / availability, predicted, error))
+      return false;
+    sum += predicted;
+  }
+  predicted = sum / 5;
   return true;
 }
 

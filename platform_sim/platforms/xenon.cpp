@@ -1,4 +1,4 @@
-#include "platform_sim/platforms/caches.hpp"
+#include "platform_sim/platforms/xenon.hpp"
 
 #include <bit>
 
@@ -44,6 +44,34 @@ bool CheckCacheMemory(const CacheMemoryParameters& p, std::string& error) {
         Format("its GPU takes {} of 1000 parts of the memory's rate; leave the cores "
                "some of it, 999 at most",
                p.gpu_permille.value));
+  return true;
+}
+
+std::vector<PlatformNumber> DescribeXenon(const XenonParameters& p) {
+  std::vector<PlatformNumber> out = {TellNumber(p.clock_hz), TellNumber(p.availability_permille)};
+  TellNumbers<MemoryNumbers>(p, out);
+  TellNumbers<CacheParameters>(p, out);
+  for (PlatformNumber& number : DescribeNumbers(p.core)) out.push_back(std::move(number));
+  TellNumbers<GpuNumbers>(p.gpu, out);
+  TellNumbers<ShaderNumbers>({}, out);
+  return out;
+}
+
+bool CheckXenon(const XenonParameters& p, std::string& error) {
+  if (!CheckCacheMemory(p, error)) return false;
+  if (p.cores > kMostXenonCores) {
+    error = Format("Xenon refused: it has {} cores; an Xbox 360 has {}", p.cores.value,
+                   kMostXenonCores);
+    return false;
+  }
+  if (p.clock_hz == 0) {
+    error = "Xenon refused: its clock is zero";
+    return false;
+  }
+  if (p.availability_permille == 0 || p.availability_permille > 1000) {
+    error = "Xenon refused: its availability must be 1 to 1000 permille";
+    return false;
+  }
   return true;
 }
 
