@@ -11,7 +11,6 @@
 
 #include "core/format.hpp"
 #include "core/output_place.hpp"
-#include "core/printable.hpp"
 
 #if defined(_WIN32)
 #include <process.h>

@@ -12,19 +12,19 @@
 namespace pelt {
 namespace {
 
-struct TextRow {
+struct TextEntry {
   std::string_view key;
   std::string ScenarioRequest::*member;
 };
-constexpr TextRow kTexts[] = {
+constexpr TextEntry kTexts[] = {
     {"scene", &ScenarioRequest::scene}, {"character", &ScenarioRequest::character},
     {"setup", &ScenarioRequest::setup}, {"groom", &ScenarioRequest::groom},
     {"clip", &ScenarioRequest::clip},   {"lights", &ScenarioRequest::lights}};
 
-// Calls visit(member, row) for those that are a layer's words.
+// Calls visit(member, entry) for those that are a layer's words.
 void ForEachWord(ScenarioRequest& request, const auto& visit) {
-  visit(request.solver, LayerParamRowOf(&LayerParams::solver));
-  visit(request.quality, LayerParamRowOf(&LayerParams::quality));
+  visit(request.solver, LayerParamEntryOf(&LayerParams::solver));
+  visit(request.quality, LayerParamEntryOf(&LayerParams::quality));
 }
 
 }  // namespace
@@ -32,16 +32,16 @@ void ForEachWord(ScenarioRequest& request, const auto& visit) {
 std::vector<std::pair<std::string_view, std::string>> RequestOptions(
     const ScenarioRequest& request) {
   std::vector<std::pair<std::string_view, std::string>> options;
-  for (const TextRow& row : kTexts) {
-    const bool of_scene = row.key == "character" && !request.scene.empty();
-    if (!(request.*row.member).empty() && !of_scene)
-      options.emplace_back(row.key, request.*row.member);
+  for (const TextEntry& entry : kTexts) {
+    const bool of_scene = entry.key == "character" && !request.scene.empty();
+    if (!(request.*entry.member).empty() && !of_scene)
+      options.emplace_back(entry.key, request.*entry.member);
   }
   if (request.seed) options.emplace_back("seed", std::to_string(request.seed));
   if (request.once) options.emplace_back("once", "");
   ScenarioRequest copy = request;
-  ForEachWord(copy, [&](const auto& value, const auto& row) {
-    if (value) options.emplace_back(row.key, row.words[size_t(*value)]);
+  ForEachWord(copy, [&](const auto& value, const auto& entry) {
+    if (value) options.emplace_back(entry.key, entry.words[size_t(*value)]);
   });
   return options;
 }
@@ -66,16 +66,16 @@ ScenarioRequest ReadRequest(std::string_view text) {
     for (size_t i = 0; texts && i < texts->size(); ++i)
       request.setup_texts.push_back((*texts)[i].value_or(std::string()));
     if (key == "seed") std::from_chars(value.data(), value.data() + value.size(), request.seed);
-    for (const TextRow& row : kTexts)
-      if (row.key == key) {
-        request.*row.member = value;
+    for (const TextEntry& entry : kTexts)
+      if (entry.key == key) {
+        request.*entry.member = value;
         known = true;
       }
-    ForEachWord(request, [&](auto& chosen, const auto& row) {
-      const auto word = std::find(row.words.begin(), row.words.end(), value);
-      if (row.key != key || word == row.words.end()) return;
+    ForEachWord(request, [&](auto& chosen, const auto& entry) {
+      const auto word = std::find(entry.words.begin(), entry.words.end(), value);
+      if (entry.key != key || word == entry.words.end()) return;
       using Word = typename std::remove_reference_t<decltype(chosen)>::value_type;
-      chosen = Word(word - row.words.begin());
+      chosen = Word(word - entry.words.begin());
       known = true;
     });
     if (!known) throw Error(Format("request: '{}' of '{}' is not known", value, key));

@@ -35,10 +35,10 @@ void SetWind(PageSettings& s, double speed, double towards) {
   WindOf(s).velocity[2] = float(speed * exact::Cos(towards * exact::kRadiansPerDegree));
 }
 
-// A row of a number that lies at `Place(settings)`.
+// An entry of a number that lies at `Place(settings)`.
 template <auto kPlace>
-PageRow Row(std::string_view key, std::string_view group, std::string_view unit, double low,
-            double high, std::string_view text) {
+PageEntry Entry(std::string_view key, std::string_view group, std::string_view unit, double low,
+                double high, std::string_view text) {
   return {key,
           group,
           unit,
@@ -52,26 +52,26 @@ PageRow Row(std::string_view key, std::string_view group, std::string_view unit,
           }};
 }
 template <auto kPlace>
-PageRow Switch(std::string_view key, std::string_view group, std::string_view text) {
-  PageRow row = Row<kPlace>(key, group, "", 0, 1, text);
-  row.is_switch = true;
-  return row;
+PageEntry Switch(std::string_view key, std::string_view group, std::string_view text) {
+  PageEntry entry = Entry<kPlace>(key, group, "", 0, 1, text);
+  entry.is_switch = true;
+  return entry;
 }
 template <double PageLight::*kMember>
-PageRow Light(std::string_view key, std::string_view text) {
-  return Row<[](PageSettings& s) { return &(s.light.*kMember); }>(key, "light", "", 0, 3, text);
+PageEntry Light(std::string_view key, std::string_view text) {
+  return Entry<[](PageSettings& s) { return &(s.light.*kMember); }>(key, "light", "", 0, 3, text);
 }
 template <bool SkipSettings::*kMember>
-PageRow Skip(std::string_view key, std::string_view text) {
+PageEntry Skip(std::string_view key, std::string_view text) {
   return Switch<[](PageSettings& s) { return &(s.scenario.base.skip.*kMember); }>(
       key, "what is left out", text);
 }
 
-PageRow DataViewRow() {
-  PageRow row = Row<[](PageSettings& s) { return &s.show; }>(
+PageEntry DataViewEntry() {
+  PageEntry entry = Entry<[](PageSettings& s) { return &s.show; }>(
       "show", "stages", "", 0, double(DataViews().size() - 1), "what stages of the frame computed");
-  row.words = DataViewNames();
-  return row;
+  entry.words = DataViewNames();
+  return entry;
 }
 
 // Those that can run here.
@@ -84,7 +84,7 @@ const std::vector<Isa>& Isas() {
   return isas;
 }
 
-PageRow KernelsRow() {
+PageEntry KernelsEntry() {
   static const std::vector<std::string_view> names = [] {
     std::vector<std::string_view> found;
     std::ranges::transform(Isas(), std::back_inserter(found), IsaName);
@@ -104,13 +104,13 @@ PageRow KernelsRow() {
           names};
 }
 
-const PageRow kRows[] = {
+const PageEntry kEntries[] = {
     {"frame_rate", "time", "1/s", 15, 240, "simulated frames a second",
      [](const PageSettings& s) { return std::round(1.0 / s.scenario.dt_s); },
      [](PageSettings& s, double value) { s.scenario.dt_s = 1.0 / value; }},
-    Row<[](PageSettings& s) { return &s.slow_motion; }>("slow_motion", "time", "", 0.05, 1,
-                                                        "of real time"),
-    Row<[](PageSettings& s) { return &s.scenario.clip_rate; }>(
+    Entry<[](PageSettings& s) { return &s.slow_motion; }>("slow_motion", "time", "", 0.05, 1,
+                                                          "of real time"),
+    Entry<[](PageSettings& s) { return &s.scenario.clip_rate; }>(
         "animation_speed", "time", "", 0, 3, "of the animation; the strands keep their own time"),
     Switch<[](PageSettings& s) { return &s.in_between; }>(
         "in_between", "time",
@@ -119,28 +119,28 @@ const PageRow kRows[] = {
      [](PageSettings& s, double value) { SetWind(s, value, WindTowards(s)); }},
     {"wind_direction", "wind", "degrees", 0, 360, "towards: 0 is +z, 90 is +x", WindTowards,
      [](PageSettings& s, double value) { SetWind(s, WindSpeed(s), value); }},
-    Row<[](PageSettings& s) { return &WindOf(s).gust_strength; }>("gust_strength", "wind", "", 0, 1,
-                                                                  "of the mean"),
-    Row<[](PageSettings& s) { return &WindOf(s).gust_period_s; }>("gust_period", "wind", "s", 0.2,
-                                                                  20, "of the slowest gusts"),
-    Row<[](PageSettings& s) { return &WindOf(s).turbulence; }>("turbulence", "wind", "m/s", 0, 10,
-                                                               "eddies"),
-    Row<[](PageSettings& s) { return &WindOf(s).turbulence_scale_m; }>(
+    Entry<[](PageSettings& s) { return &WindOf(s).gust_strength; }>("gust_strength", "wind", "", 0,
+                                                                    1, "of the mean"),
+    Entry<[](PageSettings& s) { return &WindOf(s).gust_period_s; }>("gust_period", "wind", "s", 0.2,
+                                                                    20, "of the slowest gusts"),
+    Entry<[](PageSettings& s) { return &WindOf(s).turbulence; }>("turbulence", "wind", "m/s", 0, 10,
+                                                                 "eddies"),
+    Entry<[](PageSettings& s) { return &WindOf(s).turbulence_scale_m; }>(
         "turbulence_scale", "wind", "m", 0.05, 5, "size of an eddy"),
-    Row<[](PageSettings& s) { return &s.scenario.base.gravity[1]; }>("gravity", "world", "m/s2",
-                                                                     -30, 10, "upwards"),
+    Entry<[](PageSettings& s) { return &s.scenario.base.gravity[1]; }>("gravity", "world", "m/s2",
+                                                                       -30, 10, "upwards"),
     Switch<[](PageSettings& s) { return &s.scenario.base.use_ground; }>(
         "ground", "world", "strands do not go below it"),
-    Row<[](PageSettings& s) { return &s.scenario.weather_course.wetness; }>(
+    Entry<[](PageSettings& s) { return &s.scenario.weather_course.wetness; }>(
         "wetness", "world", "", 0, 1, "of every character"),
-    Row<[](PageSettings& s) { return &s.scenario.weather_course.dirt; }>("dirt", "world", "", 0, 1,
-                                                                         "of every character"),
-    Row<[](PageSettings& s) { return &s.sphere_radius; }>(
+    Entry<[](PageSettings& s) { return &s.scenario.weather_course.dirt; }>("dirt", "world", "", 0,
+                                                                           1, "of every character"),
+    Entry<[](PageSettings& s) { return &s.sphere_radius; }>(
         "sphere_radius", "world", "m", 0, 0.5,
         "of the ball that is dragged through the fur; 0: none"),
-    Row<[](PageSettings& s) { return &s.brush_radius; }>("brush_radius", "paint", "m", 0.005, 0.5,
-                                                         "of the brush"),
-    Row<[](PageSettings& s) { return &s.brush_amount; }>(
+    Entry<[](PageSettings& s) { return &s.brush_radius; }>("brush_radius", "paint", "m", 0.005, 0.5,
+                                                           "of the brush"),
+    Entry<[](PageSettings& s) { return &s.brush_amount; }>(
         "brush_amount", "paint", "", -1, 1, "that a frame of painting adds; below 0: takes away"),
     Switch<[](PageSettings& s) { return &s.render_fur; }>("render_fur", "light",
                                                           "draw strands and shells"),
@@ -157,8 +157,8 @@ const PageRow kRows[] = {
      [](PageSettings& s, double value) { s.light.shadow = value; }},
     Light<&PageLight::shadow_reach>("shadow_falloff", "how fast light dies away inside a coat"),
     Light<&PageLight::depth>("depth", "light left at the skin"),
-    DataViewRow(),
-    KernelsRow(),
+    DataViewEntry(),
+    KernelsEntry(),
     Switch<[](PageSettings& s) { return &s.hold_view; }>(
         "hold_view", "stages",
         "cull, sort and choose detail for where the camera was: turn it and look"),
@@ -169,33 +169,34 @@ const PageRow kRows[] = {
     Skip<&SkipSettings::wind>("wind", "gusts where no wind blows"),
     Skip<&SkipSettings::light>("light", "light that did not change"),
     Skip<&SkipSettings::lod>("lod", "strands of what is small in the view"),
-    Row<[](PageSettings& s) { return &s.scenario.base.lod.full_detail_px; }>(
+    Entry<[](PageSettings& s) { return &s.scenario.base.lod.full_detail_px; }>(
         "full_detail", "what is left out", "px", 16, 2000,
         "size from which a layer has all its strands"),
-    Row<[](PageSettings& s) { return &s.scenario.base.lod.min_fraction; }>(
+    Entry<[](PageSettings& s) { return &s.scenario.base.lod.min_fraction; }>(
         "min_fraction", "what is left out", "", 0.001, 1, "of the strands, the least"),
-    Row<[](PageSettings& s) { return &s.scenario.base.lod.strand_budget; }>(
+    Entry<[](PageSettings& s) { return &s.scenario.base.lod.strand_budget; }>(
         "strand_budget", "what is left out", "", 0, 200000, "strands in all, with lod; 0: any"),
-    Row<[](PageSettings& s) { return &s.scenario.base.lod.fast_quality_px; }>(
+    Entry<[](PageSettings& s) { return &s.scenario.base.lod.fast_quality_px; }>(
         "fast_quality", "what is left out", "px", 0, 10,
         "error on the screen up to which strands are simulated in fast quality"),
 };
 
 }  // namespace
 
-std::span<const PageRow> PageRows() { return kRows; }
+std::span<const PageEntry> PageEntries() { return kEntries; }
 
-const PageRow& PageRowFor(std::string_view key, double value) {
-  const auto row = std::ranges::find(PageRows(), key, &PageRow::key);
-  if (row == PageRows().end()) throw Error(fmt::format("no setting '{}'", key));
-  if (!(value >= row->low && value <= row->high))
-    throw Error(fmt::format("'{}' {} is not within {} and {}", key, value, row->low, row->high));
-  return *row;
+const PageEntry& PageEntryFor(std::string_view key, double value) {
+  const auto entry = std::ranges::find(PageEntries(), key, &PageEntry::key);
+  if (entry == PageEntries().end()) throw Error(fmt::format("no setting '{}'", key));
+  if (!(value >= entry->low && value <= entry->high))
+    throw Error(
+        fmt::format("'{}' {} is not within {} and {}", key, value, entry->low, entry->high));
+  return *entry;
 }
 
-bool IsOfShowing(const PageRow& row) {
-  return IsOfLight(row) || row.key == "render_fur" || row.key == "slow_motion" ||
-         row.key == "in_between" || row.key == "show";
+bool IsOfShowing(const PageEntry& entry) {
+  return IsOfLight(entry) || entry.key == "render_fur" || entry.key == "slow_motion" ||
+         entry.key == "in_between" || entry.key == "show";
 }
 
 bool IsShownBetween(double dt_s, const PageSettings& settings) {
@@ -203,7 +204,9 @@ bool IsShownBetween(double dt_s, const PageSettings& settings) {
   return settings.in_between && dt_s > kDisplayed_s * settings.slow_motion;
 }
 
-bool IsOfLight(const PageRow& row) { return row.group == "light" && row.key != "render_fur"; }
+bool IsOfLight(const PageEntry& entry) {
+  return entry.group == "light" && entry.key != "render_fur";
+}
 
 void ApplyLight(const PageSettings& settings, PictureScene& shown) {
   const PageLight& light = settings.light;

@@ -1,5 +1,5 @@
-// What can be set on the page while it runs, besides the keys of layers: one row for each, and the page makes its
-// controls from the rows.
+// What can be set on the page while it runs, besides the keys of layers: one entry for each, and the page makes its
+// controls from the entries.
 #pragma once
 
 #include <span>
@@ -31,7 +31,7 @@ struct PageSettings {
   double brush_radius = 0.06, brush_amount = 0.2;
 };
 
-struct PageRow {
+struct PageEntry {
   std::string_view key, group, unit;
   double low, high;
   std::string_view text;
@@ -42,17 +42,17 @@ struct PageRow {
       {};  // what the numbers from `low` on are called; none: numbers
 };
 
-std::span<const PageRow> PageRows();
-// The row of a key. Throws Error where there is none, or the value is out of its bounds.
-const PageRow& PageRowFor(std::string_view key, double value);
+std::span<const PageEntry> PageEntries();
+// The entry of a key. Throws Error where there is none, or the value is out of its bounds.
+const PageEntry& PageEntryFor(std::string_view key, double value);
 // Whether it only changes how frames are shown, and nothing of the frames' input.
-bool IsOfShowing(const PageRow& row);
+bool IsOfShowing(const PageEntry& entry);
 
 // Whether a display shows more pictures than there are frames of this length, and those in between are wanted.
 bool IsShownBetween(double dt_s, const PageSettings& settings);
 
 // Whether it changes nothing but what ApplyLight does.
-bool IsOfLight(const PageRow& row);
+bool IsOfLight(const PageEntry& entry);
 
 // Changes what a picture is lit by.
 void ApplyLight(const PageSettings& settings, PictureScene& shown);

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <string>
 
-#include "core/character/builtin_clips.hpp"
+#include "core/character/builtin_shape.hpp"
 #include "core/character/gltf_import.hpp"
 #include "core/float_environment.hpp"
 #include "core/float_rules.hpp"

@@ -1,10 +1,9 @@
-// Idea: see builtin_clips.hpp. Motions are sums of sines of exact:: functions; tangents are
+// Idea: see builtin_shape.hpp. Motions are sums of sines of exact:: functions; tangents are
 // central differences of the same functions, so the splines are smooth at every key and across the
 // loop.
-#include "core/character/builtin_clips.hpp"
-
 #include <cmath>
 
+#include "core/character/builtin_shape.hpp"
 #include "core/exact_math.hpp"
 #include "core/float_rules.hpp"
 

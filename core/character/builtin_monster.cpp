@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/character/builtin_clips.hpp"
+#include "core/character/builtin_shape.hpp"
 #include "core/exact_math.hpp"
 #include "core/float_rules.hpp"
 #include "core/random.hpp"

@@ -1,7 +1,7 @@
 // The built-in scorpion: eight legs, two claws, a tail with a sting.
 #include <algorithm>
 
-#include "core/character/builtin_clips.hpp"
+#include "core/character/builtin_shape.hpp"
 #include "core/exact_math.hpp"
 #include "core/float_rules.hpp"
 

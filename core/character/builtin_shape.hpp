@@ -1,6 +1,10 @@
-// A built-in character's body: an implicit surface made of ellipsoids and round cones blended
-// together, turned into one closed mesh. Skin weights, materials and UVs all follow from the same
-// primitives, so they fit each other by construction.
+// A built-in character's body and how it moves.
+//
+// Body: an implicit surface made of ellipsoids and round cones blended together, turned into one closed
+// mesh. Skin weights, materials and UVs all follow from the same primitives, so they fit each other by
+// construction.
+//
+// Clips: rotations of its joints as functions of time, sampled into keys.
 //
 // Invariant: only IEEE arithmetic, exact:: functions and seeded numbers; the same options give the
 // same bytes on every machine.
@@ -11,6 +15,7 @@
 #include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -82,6 +87,48 @@ ShapeMesh MeshShape(const Shape& shape, const BuiltinCharacterOptions& options);
 // The bodies there are. What each has is said in builtin_character.hpp.
 Shape DesignMonster(const BuiltinCharacterOptions& options);
 Shape DesignScorpion();
+
+// ---- Clips --------------------------------------------------------------------------------------
+
+inline constexpr size_t kMostJoints = 40;
+
+// Turns about x (nod), y (turn) and z (tilt), radians, z first; and the carrier's shift, m.
+struct Motion {
+  std::array<glm::dvec3, kMostJoints> turn{};
+  glm::dvec3 shift{0.0};
+};
+
+struct ClipPlan {
+  const char* name;
+  Motion (*motion)(double time_s);
+  bool loops;         // its ends agree to the last bit
+  double duration_s;  // with `steps` keys at equal times behind the first
+  int steps;
+  double held_s = 0.0;  // a last key here, if it is later
+};
+
+struct ShapeTrack {
+  size_t joint;
+  bool rotation;                  // else translation (local, m)
+  std::vector<glm::vec4> values;  // in tangent, value, out tangent for each time
+};
+
+struct ShapeClip {
+  std::string name;
+  std::vector<float> time_s;
+  std::vector<ShapeTrack> tracks;
+};
+
+std::vector<ShapeClip> MakeClips(const Shape& shape, std::span<const ClipPlan> plans);
+
+// Of the bodies there are.
+std::span<const ClipPlan> MonsterClips();
+std::span<const ClipPlan> ScorpionClips();
+
+// sin of so many turns.
+double Wave(double turns);
+// 0 to 1 as s goes from 0 to 1, at rest at both ends; constant outside.
+double Ease(double s);
 
 }  // namespace builtin
 }  // namespace pelt

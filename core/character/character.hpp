@@ -10,8 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "core/chunk.hpp"
-
 namespace pelt {
 
 // How an image goes on beyond its edges.

@@ -183,6 +183,22 @@ class AccessorReader {
     return true;
   }
 
+  // Every component as take(accessor, element, first byte, component) makes it; 0 where there are no bytes, and
+  // none at all once one is refused.
+  template <class T, class Take>
+  std::vector<T> Read(const Wanted& wanted, Take take) {
+    if (!CheckType(wanted) || !CheckRange()) return {};
+    const auto n = uint64_t(wanted.components), size = SizeOf(accessor_->component);
+    std::vector<T> out(accessor_->count * n, T(0));
+    const bool whole = ForEach([&](uint64_t element, const unsigned char* p) {
+      for (uint64_t c = 0; c < n; ++c)
+        if (!take(*accessor_, element, p + size * c, out[element * n + c])) return false;
+      return true;
+    });
+    if (!whole) out.clear();
+    return out;
+  }
+
  private:
   bool Locate(int view_index, uint64_t offset, uint64_t count, uint64_t element, bool strided,
               Range& range) const {
@@ -252,40 +268,23 @@ std::vector<int> FindSameAccessors(const Document& document) {
 std::vector<float> ReadFloats(const Document& document, int accessor, const Wanted& wanted,
                               const std::string& place, Fault& fault) {
   AccessorReader reader(document, accessor, place, fault);
-  if (!reader.CheckType(wanted) || !reader.CheckRange()) return {};
-  const Accessor& from = reader.accessor();
-  const int n = wanted.components;
-  const uint64_t size = SizeOf(from.component);
-  const bool normalised = wanted.scaling == Scaling::kNormalised || from.normalised;
-  std::vector<float> out(from.count * uint64_t(n), 0.0f);
-  const bool whole = reader.ForEach([&](uint64_t element, const unsigned char* p) {
-    for (int c = 0; c < n; ++c) {
-      const float v = ReadNumber(p + size * uint64_t(c), from.component, normalised);
-      if (wanted.finite && !std::isfinite(v))
-        return reader.Refuse("element " + std::to_string(element) + " is not a finite number");
-      out[element * uint64_t(n) + uint64_t(c)] = v;
-    }
-    return true;
-  });
-  if (!whole) out.clear();
-  return out;
+  return reader.Read<float>(
+      wanted, [&](const Accessor& from, uint64_t element, const unsigned char* p, float& out) {
+        const bool normalised = wanted.scaling == Scaling::kNormalised || from.normalised;
+        out = ReadNumber(p, from.component, normalised);
+        return !wanted.finite || std::isfinite(out) ||
+               reader.Refuse("element " + std::to_string(element) + " is not a finite number");
+      });
 }
 
 std::vector<uint32_t> ReadIntegers(const Document& document, int accessor, const Wanted& wanted,
                                    const std::string& place, Fault& fault) {
-  AccessorReader reader(document, accessor, place, fault);
-  if (!reader.CheckType(wanted) || !reader.CheckRange()) return {};
-  const Accessor& from = reader.accessor();
-  const int n = wanted.components;
-  const uint64_t size = SizeOf(from.component);
-  std::vector<uint32_t> out(from.count * uint64_t(n), 0u);
-  const bool whole = reader.ForEach([&](uint64_t element, const unsigned char* p) {
-    for (int c = 0; c < n; ++c)
-      out[element * uint64_t(n) + uint64_t(c)] = ReadLittle(p + size * uint64_t(c), size);
-    return true;
-  });
-  if (!whole) out.clear();
-  return out;
+  return AccessorReader(document, accessor, place, fault)
+      .Read<uint32_t>(wanted,
+                      [](const Accessor& from, uint64_t, const unsigned char* p, uint32_t& out) {
+                        out = ReadLittle(p, SizeOf(from.component));
+                        return true;
+                      });
 }
 
 }  // namespace pelt::gltf

@@ -14,7 +14,6 @@
 #include "core/error.hpp"
 #include "core/float_rules.hpp"
 #include "core/format.hpp"
-#include "core/printable.hpp"
 
 namespace pelt::gltf {
 namespace {

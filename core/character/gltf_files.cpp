@@ -8,7 +8,6 @@
 #include "core/error.hpp"
 #include "core/file_bytes.hpp"
 #include "core/format.hpp"
-#include "core/printable.hpp"
 
 namespace pelt::gltf {
 namespace {

@@ -10,13 +10,12 @@
 #include "core/exact_math.hpp"
 #include "core/float_rules.hpp"
 #include "core/format.hpp"
-#include "core/printable.hpp"
 
 namespace pelt::gltf {
 namespace {
 
-// The images that a glTF's textures name, in whichever way: each index, offset and length is checked, each image is read
-// once, and what it is is seen from its bytes.
+// The images that a glTF's textures name, in whichever way: each index, offset and length is checked, each image is
+// read once, and what it is is seen from its bytes.
 //
 // Invariant: the images together have no more bytes than the file and those beside it.
 

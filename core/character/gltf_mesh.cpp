@@ -17,8 +17,8 @@
 namespace pelt::gltf {
 namespace {
 
-// What a primitive's vertices have that is kept by corner of its triangles, so that vertices which differ in it alone are
-// still one to fur.
+// What a primitive's vertices have that is kept by corner of its triangles, so that vertices which differ in it alone
+// are still one to fur.
 
 // For triangles that have none yet, whose vertices begin at `first`. `size` numbers for each vertex, of which three are
 // the colour and a fourth alpha; what is not there, or not finite, is white.

@@ -139,10 +139,10 @@ namespace {
 enum Purpose : uint64_t { kFrizzTilt = 12, kBrightness, kFilmStrip };
 
 constexpr bool DrawsByNumbersOfTheirOwn() {
-  for (const StrandAttribute& row : kStrandAttributes) {
-    if (row.random >= kFrizzTilt && row.random <= kFilmStrip) return false;
+  for (const StrandAttribute& entry : kStrandAttributes) {
+    if (entry.random >= kFrizzTilt && entry.random <= kFilmStrip) return false;
     for (const StrandAttribute& other : kStrandAttributes)
-      if (&other != &row && other.random == row.random) return false;
+      if (&other != &entry && other.random == entry.random) return false;
   }
   return true;
 }
@@ -160,15 +160,15 @@ struct Place {
   bool varies = true;  // else what is drawn at random counts as its middle
 };
 
-double Evaluate(const LayerSetup& layer, const StrandAttribute& row, const Place& place) {
-  const Attribute& attribute = layer.*row.member;
+double Evaluate(const LayerSetup& layer, const StrandAttribute& entry, const Place& place) {
+  const Attribute& attribute = layer.*entry.member;
   double value = attribute.value;
   if (attribute.map.map) {
     value *= double(attribute.map.map->Sample(place.uv, attribute.map.channel, place.wrap));
   }
   if (place.varies && attribute.randomise != 0.0f) {
     value *= 1.0 + double(attribute.randomise) *
-                       RandomFor(place.seed, row.random, place.owner).Uniform(-1.0, 1.0);
+                       RandomFor(place.seed, entry.random, place.owner).Uniform(-1.0, 1.0);
   }
   if (const auto& range = attribute.range) {
     value = std::clamp(value, double(range->x), double(range->y));
@@ -177,10 +177,10 @@ double Evaluate(const LayerSetup& layer, const StrandAttribute& row, const Place
 }
 
 // Held to the bounds of the member that stores it.
-float Stored(const StrandAttribute& row, double value) {
+float Stored(const StrandAttribute& entry, double value) {
   ForEachMember<StrandBlock>([&](const auto& member) {
-    if constexpr (std::is_same_v<decltype(member.member), const decltype(row.stored)>)
-      if (member.member == row.stored)
+    if constexpr (std::is_same_v<decltype(member.member), const decltype(entry.stored)>)
+      if (member.member == entry.stored)
         value = std::clamp(value, double(member.low), double(member.high));
   });
   return float(value);
@@ -212,7 +212,8 @@ glm::dvec3 KeepAboveSurface(glm::dvec3 direction) {
   return direction;
 }
 
-// As comb and attributes have it, without frizz; in the root frame. value(&LayerSetup::azimuth) is an attribute's value.
+// As comb and attributes have it, without frizz; in the root frame. value(&LayerSetup::azimuth) is an attribute's
+// value.
 template <class Value>
 glm::dvec3 CombedDirection(const Comb& comb, const glm::vec3& position, const RootFrame& frame,
                            const Value& value) {
@@ -317,8 +318,8 @@ GroomedStrand AttributeMaker::Groom(const ScatterPoint& point, uint32_t strand) 
   const Place place{uv, WrapOn(mesh_, point.place.triangle), layer_.seed, strand};
 
   for (size_t i = 0; i < kStrandAttributes.size(); ++i)
-    if (const StrandAttribute& row = kStrandAttributes[i]; row.stored)
-      groomed.stored[i] = Stored(row, Evaluate(layer_, row, place));
+    if (const StrandAttribute& entry = kStrandAttributes[i]; entry.stored)
+      groomed.stored[i] = Stored(entry, Evaluate(layer_, entry, place));
   const auto value = [&](Attribute LayerSetup::*attribute) {
     return Evaluate(layer_, kStrandAttributes[PlaceOf(attribute)], place);
   };

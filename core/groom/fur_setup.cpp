@@ -6,13 +6,12 @@
 #include <algorithm>
 #include <set>
 
-#include "core/chunk.hpp"
 #include "core/error.hpp"
 #include "core/file_bytes.hpp"
 #include "core/float_environment.hpp"
 #include "core/format.hpp"
 #include "core/groom/setup_schema.hpp"
-#include "core/printable.hpp"
+#include "core/layer.hpp"
 
 namespace pelt {
 namespace {

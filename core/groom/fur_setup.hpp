@@ -74,8 +74,8 @@ struct Mask {
   std::optional<AwayFrom> away_from;
   MapChannel uv;    // stencil: density scale; needs UVs
   MapChannel bald;  // 1 = bald; needs UVs
-  // No fur where the surface, which is the image of its material if it has one, has one of these colours, 0xAABBGGRR, in
-  // sRGB. No channel differs by more than the tolerance there, as a share of its range.
+  // No fur where the surface, which is the image of its material if it has one, has one of these colours, 0xAABBGGRR,
+  // in sRGB. No channel differs by more than the tolerance there, as a share of its range.
   std::vector<uint32_t> colours;
   float colour_tolerance = 0.06f;
 };
@@ -141,7 +141,7 @@ inline constexpr double kDegrees = 360.0;
 inline constexpr double kBend = 1.0e5;  // degrees per metre: a full turn in 3.6 mm
 
 // clang-format off
-inline constexpr StrandAttribute kRows[] = {
+inline constexpr StrandAttribute kEntries[] = {
     {&L::offset, "offset", "m", -1, 1, "root above the skin, along the normal",
      KeyGroup::kLook, 1},
     {&L::length, "length", "m", 1e-4, 10, "root to tip along the strand", KeyGroup::kLook, 2},
@@ -166,7 +166,7 @@ inline constexpr StrandAttribute kRows[] = {
 }  // namespace strand_attributes_detail
 
 inline constexpr std::span<const StrandAttribute> kStrandAttributes =
-    strand_attributes_detail::kRows;
+    strand_attributes_detail::kEntries;
 // Its place in kStrandAttributes.
 constexpr size_t PlaceOf(Attribute LayerSetup::*member) {
   size_t place = 0;
@@ -235,8 +235,9 @@ LightsSetup ReadLightsFile(const std::string& path);
 
 // A key of a setup's layer changed in its text, which otherwise stays as it was written: comments, order and all.
 // `value` is as TOML has it: 0.5, true, "best". Of a key that is written as a table with a `value` that one is changed;
-// one that the layer does not have goes below its name, and stands in front of [defaults]. Throws Error, with `path` and
-// line, where the text is not TOML, and where there is no such layer. The result is not checked: ReadFurSetup does that.
+// one that the layer does not have goes below its name, and stands in front of [defaults]. Throws Error, with `path`
+// and line, where the text is not TOML, and where there is no such layer. The result is not checked: ReadFurSetup does
+// that.
 std::string ChangeLayerKey(std::string_view text, const std::string& path, std::string_view layer,
                            std::string_view key, std::string_view value);
 

@@ -6,6 +6,7 @@
 
 #include "core/chunk.hpp"
 #include "core/groom/layer_params.hpp"
+#include "core/layer.hpp"
 
 namespace pelt {
 

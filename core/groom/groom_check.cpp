@@ -22,7 +22,6 @@
 #include "core/groom/groom_fields.hpp"
 #include "core/groom/groom_file.hpp"
 #include "core/groom/patch_index.hpp"
-#include "core/printable.hpp"
 
 namespace pelt {
 namespace {

@@ -1,6 +1,6 @@
 // What the groom file holds of each struct: one list of fields for writing, reading, measuring and
-// locating. Blocks and layer parameters are held as their rows list them; with a new row
-// kGroomVersion goes up.
+// locating. Blocks are held as their rows list them and layer parameters as their entries do; with a
+// new one kGroomVersion goes up.
 //
 // An archive is called with each field's name and the field. Arrays of any rank go element by
 // element, last index fastest. Padding is not listed and so never reaches a file.
@@ -36,14 +36,14 @@ constexpr bool HasParam(uint32_t version, std::string_view key) {
 
 // An archive of an older file says so: version().
 void ListFields(auto&& archive, Like<LayerParams> auto& params) {
-  ForEachLayerParam([&](const auto& row) {
-    auto& value = params.*row.member;
+  ForEachLayerParam([&](const auto& entry) {
+    auto& value = params.*entry.member;
     if constexpr (requires { archive.version(); })
-      if (!HasParam(archive.version(), row.key)) return;
+      if (!HasParam(archive.version(), entry.key)) return;
     if constexpr (requires { value.size(); }) {
-      for (size_t i = 0; i < value.size(); ++i) archive(row.in_file[i], value[i]);
+      for (size_t i = 0; i < value.size(); ++i) archive(entry.in_file[i], value[i]);
     } else {
-      archive(row.key, value);
+      archive(entry.key, value);
     }
   });
 }

@@ -23,6 +23,15 @@ struct SurfacePoint {
   glm::vec3 bary;
 };
 
+// Of the unit square: the half that is not the triangle's is folded onto it.
+inline SurfacePoint PlaceInTriangle(uint32_t triangle, double x, double y) {
+  if (x + y > 1.0) {
+    x = 1.0 - x;
+    y = 1.0 - y;
+  }
+  return {triangle, {float(1.0 - x - y), float(x), float(y)}};
+}
+
 template <class T>
 T Interpolate(const std::vector<T>& at_vertex, const Mesh& mesh, const SurfacePoint& point) {
   const auto& v = mesh.triangles[point.triangle];

@@ -84,9 +84,9 @@ std::optional<BadKey> FindBadCombination(const LayerParams& params) {
 
 std::string FindBadParam(const LayerParams& params) {
   std::string text;
-  ForEachLayerParam([&](const auto& row) {
-    if (text.empty() && !IsInside(params.*row.member, row.low, row.high))
-      text = Format("{} is not between {} and {}", row.key, row.low, row.high);
+  ForEachLayerParam([&](const auto& entry) {
+    if (text.empty() && !IsInside(params.*entry.member, entry.low, entry.high))
+      text = Format("{} is not between {} and {}", entry.key, entry.low, entry.high);
   });
   if (!text.empty()) return text;
   const auto bad = FindBadCombination(params);

@@ -1,8 +1,8 @@
-// What the frame needs of a layer's setup: plain data, and a row that says everything about each
+// What the frame needs of a layer's setup: plain data, and an entry that says everything about each
 // member: its key in the setup, unit, bounds, meaning, and where it goes in the frame.
 //
 // The setup's schema (setup_schema.cpp), the groom file, the check of its values and the frame's
-// layer block go through the rows, in the order of the members, which is that of the file. So a
+// layer block go through the entries, in the order of the members, which is that of the file. So a
 // value that the setup may hold is one that the groom reader accepts, and no other.
 //
 // Apart from the fur setup it comes from, because an engine that only reads grooms needs neither
@@ -19,7 +19,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "core/chunk.hpp"
+#include "core/layer.hpp"
 #include "core/modal/modal_quality.hpp"
 #include "core/outputs.hpp"
 #include "core/reflect.hpp"
@@ -96,13 +96,13 @@ struct LayerParams {
 
 // How a parameter gets into the frame's LayerBlock; what takes more than that is worked out in
 // layer_block.cpp.
-enum class InFrame : uint8_t { kAsItIs, kClamped, kSoftened };  // the last: clamped, less when wet
+enum class InFrame : uint8_t { kAsItIs, kClamped };
 
 // Parts of `pelt bake --keys`.
 enum class KeyGroup : uint8_t { kLayer, kGrowth, kLook, kMotion, kWeather };
 
 template <class T>
-struct LayerParamRow {
+struct LayerParamEntry {
   T LayerParams::*member;
   std::string_view key, unit;
   double low, high;       // inclusive; of an enumeration, of its value
@@ -130,133 +130,134 @@ inline constexpr Text kConeWords[] = {"exact", "published"};
 inline constexpr Text kDirtFields[] = {"dirt_red", "dirt_green", "dirt_blue"};
 
 template <class T>
-constexpr LayerParamRow<T> Row(T P::*member, KeyGroup group, Text key, Text unit, double low,
-                               double high, Text text, T B::*frame = nullptr,
-                               InFrame how = kAsItIs) {
+constexpr LayerParamEntry<T> Entry(T P::*member, KeyGroup group, Text key, Text unit, double low,
+                                   double high, Text text, T B::*frame = nullptr,
+                                   InFrame how = kAsItIs) {
   return {member, key, unit, low, high, text, group, {}, frame, how};
 }
 template <class T>
-constexpr LayerParamRow<T> WordRow(T P::*member, KeyGroup group, Text key,
-                                   std::span<const Text> words, Text text) {
+constexpr LayerParamEntry<T> WordEntry(T P::*member, KeyGroup group, Text key,
+                                       std::span<const Text> words, Text text) {
   return {member, key, "", 0, double(words.size() - 1), text, group, words};
 }
-constexpr LayerParamRow<bool> SwitchRow(bool P::*member, KeyGroup group, Text key, Text text) {
+constexpr LayerParamEntry<bool> SwitchEntry(bool P::*member, KeyGroup group, Text key, Text text) {
   return {member, key, "", 0, 1, text, group};
 }
 
 // Bounds are there to catch slips and to keep hostile files from asking for absurd amounts of work;
 // they are far outside what looks good.
 // clang-format off
-inline constexpr auto kRows = std::tuple{
-    SwitchRow(&P::enabled, kLayer, "enabled", "baked but not run when false"),
-    Row(&P::sort_bias, kLayer, "sort_bias", "", -1000, 1000, "layers are drawn in ascending bias",
+inline constexpr auto kEntries = std::tuple{
+    SwitchEntry(&P::enabled, kLayer, "enabled", "baked but not run when false"),
+    Entry(&P::sort_bias, kLayer, "sort_bias", "", -1000, 1000, "layers are drawn in ascending bias",
         &B::sort_bias),
-    WordRow(&P::solver, kLayer, "solver", kSolverWords, "how chains are simulated"),
-    WordRow(&P::chain, kLayer, "chain", kChainWords,
-            "chains at mesh vertices, or one for each strand"),
-    Row(&P::chain_share, kLayer, "chain_share", "", 0.125, 1,
+    WordEntry(&P::solver, kLayer, "solver", kSolverWords, "how chains are simulated"),
+    WordEntry(&P::chain, kLayer, "chain", kChainWords,
+        "chains at mesh vertices, or one for each strand"),
+    Entry(&P::chain_share, kLayer, "chain_share", "", 0.125, 1,
         "vertex: share of its chains that is simulated, by halves; the others follow them"),
-    Row(&P::points, kLayer, "points", "", 4, 9,
+    Entry(&P::points, kLayer, "points", "", 4, 9,
         "points per chain, the fixed one too: 4, 5 or 9; vertex: 4, strand: 5 if unset"),
-    WordRow(&P::output, kLayer, "output", kOutputNames, "what vertex generation writes"),
-    Row(&P::frequency_hz, kMotion, "frequency", "Hz", 0, 2000,
+    WordEntry(&P::output, kLayer, "output", kOutputNames, "what vertex generation writes"),
+    Entry(&P::frequency_hz, kMotion, "frequency", "Hz", 0, 2000,
         "modal: first bending mode; 0: worked out from the hardness"),
-    Row(&P::damping_ratio, kMotion, "damping_ratio", "", 0, 10,
+    Entry(&P::damping_ratio, kMotion, "damping_ratio", "", 0, 10,
         "modal: of that mode, over critical damping"),
-    WordRow(&P::quality, kMotion, "quality", kQualityWords, "modal: cheapest to most exact"),
-    Row(&P::max_distance, kMotion, "max_distance", "", 0, 2,
+    WordEntry(&P::quality, kMotion, "quality", kQualityWords, "modal: cheapest to most exact"),
+    Entry(&P::max_distance, kMotion, "max_distance", "", 0, 2,
         "modal: of a point from the groom, over its distance along the strand; 0: no limit",
         &B::max_distance),
-    WordRow(&P::curl_follows, kMotion, "curl_follows", kCurlWords,
-            "modal: what a joint's rest bend turns with, the link above it or the root (cheaper)"),
-    SwitchRow(&P::sag_free, kMotion, "sag_free",
-              "modal: the groomed shape is where strands rest under gravity, not before it"),
-    Row(&P::inertia, kMotion, "inertia", "", 0, 1,
+    WordEntry(&P::curl_follows, kMotion, "curl_follows", kCurlWords,
+        "modal: what a joint's rest bend turns with, the link above it or the root (cheaper)"),
+    SwitchEntry(&P::sag_free, kMotion, "sag_free",
+        "modal: the groomed shape is where strands rest under gravity, not before it"),
+    Entry(&P::inertia, kMotion, "inertia", "", 0, 1,
         "modal: share of the root's motion that a strand feels; 0: it is carried along"),
-    Row(&P::inertia_turn, kMotion, "inertia_turn", "", 0, 1,
+    Entry(&P::inertia_turn, kMotion, "inertia_turn", "", 0, 1,
         "modal: share of the root's turns that a strand feels; 0: it turns with them"),
-    Row(&P::inertia_speed, kMotion, "inertia_speed", "m/s", 0, 1000,
+    Entry(&P::inertia_speed, kMotion, "inertia_speed", "m/s", 0, 1000,
         "modal: fastest motion of its root that a strand feels; 0: any"),
-    Row(&P::iterations, kMotion, "iterations", "", 1, 32, "pbd, verlet: of the solver, a frame",
-        &B::iterations),
-    Row(&P::weight, kMotion, "weight", "", -10, 10, "scale on gravity"),
-    Row(&P::bounce, kMotion, "bounce", "", 0, 1, "speed kept by a contact", &B::bounce, kClamped),
-    Row(&P::friction, kMotion, "friction", "", 0, 2,
+    Entry(&P::iterations, kMotion, "iterations", "", 1, 32, "pbd, verlet: of the solver, a frame"),
+    Entry(&P::weight, kMotion, "weight", "", -10, 10, "scale on gravity"),
+    Entry(&P::bounce, kMotion, "bounce", "", 0, 1, "speed kept by a contact", &B::bounce, kClamped),
+    Entry(&P::friction, kMotion, "friction", "", 0, 2,
         "modal: coefficient of friction on spheres, capsules and the ground"),
-    Row(&P::velocity_damping, kMotion, "velocity_damping", "1/s", 0, 1000,
+    Entry(&P::velocity_damping, kMotion, "velocity_damping", "1/s", 0, 1000,
         "drag: how fast speed dies away"),
-    Row(&P::motion_damping, kMotion, "motion_damping", "", 0, 1,
+    Entry(&P::motion_damping, kMotion, "motion_damping", "", 0, 1,
         "pbd, verlet: 0: free inertia, 1: moves with the root", &B::motion_follow, kClamped),
-    Row(&P::segment_hardness, kMotion, "segment_hardness", "", 0, 1,
-        "pbd, verlet: length error removed per iteration", &B::segment_hardness, kClamped),
-    Row(&P::angular_hardness_middle, kMotion, "angular_hardness_middle", "", 0, 1,
-        "bend removed per iteration; inner joints", &B::angular_middle, kSoftened),
-    Row(&P::angular_hardness_end, kMotion, "angular_hardness_end", "", 0, 1,
-        "bend removed per iteration; last joint", &B::angular_end, kSoftened),
-    Row(&P::surface_hardness, kMotion, "surface_hardness", "", 0, 1,
+    Entry(&P::segment_hardness, kMotion, "segment_hardness", "", 0, 1,
+        "pbd, verlet: length error removed per iteration"),
+    Entry(&P::angular_hardness_middle, kMotion, "angular_hardness_middle", "", 0, 1,
+        "bend removed per iteration; inner joints"),
+    Entry(&P::angular_hardness_end, kMotion, "angular_hardness_end", "", 0, 1,
+        "bend removed per iteration; last joint"),
+    Entry(&P::surface_hardness, kMotion, "surface_hardness", "", 0, 1,
         "depth under the skin removed per iteration or substep", &B::surface_hardness, kClamped),
-    Row(&P::stiffness, kMotion, "stiffness", "", 0, 1,
-        "verlet: way to the groom per iteration; shells: share of the pull that does not bend them",
-        &B::stiffness, kSoftened),
-    Row(&P::clump, kMotion, "clump", "", 0, 1, "way to the control strand, at the tip"),
-    Row(&P::tip_width, kLook, "tip_width", "", 0, 4, "width at the tip over that at the root",
+    Entry(&P::stiffness, kMotion, "stiffness", "", 0, 1, "verlet: way to the groom per iteration; "
+        "shells: share of the pull that does not bend them"),
+    Entry(&P::clump, kMotion, "clump", "", 0, 1, "way to the control strand, at the tip"),
+    Entry(&P::tip_width, kLook, "tip_width", "", 0, 4, "width at the tip over that at the root",
         &B::tip_width),
-    SwitchRow(&P::backface_cull, kMotion, "backface_cull", "leave out strands that face away"),
-    Row(&P::backface_tolerance, kMotion, "backface_tolerance", "", 0, 1,
+    SwitchEntry(&P::backface_cull, kMotion, "backface_cull", "leave out strands that face away"),
+    Entry(&P::backface_tolerance, kMotion, "backface_tolerance", "", 0, 1,
         "how far a strand may face away and still be drawn", &B::backface_tolerance),
-    Row(&P::wind_response, kMotion, "wind_response", "1/s", 0, 1000,
+    Entry(&P::wind_response, kMotion, "wind_response", "1/s", 0, 1000,
         "acceleration for each m/s of wind", &B::wind_response),
-    Row(&P::wet_weight, kWeather, "wet_weight", "", 0, 10, "soaked: factor on weight"),
-    Row(&P::wet_clump, kWeather, "wet_clump", "", 0, 1,
+    Entry(&P::wet_weight, kWeather, "wet_weight", "", 0, 10, "soaked: factor on weight"),
+    Entry(&P::wet_clump, kWeather, "wet_clump", "", 0, 1,
         "soaked: share of the way from clump to 1"),
-    Row(&P::wet_hardness, kWeather, "wet_hardness", "", 0, 1,
+    Entry(&P::wet_hardness, kWeather, "wet_hardness", "", 0, 1,
         "soaked: share of the hardness that is left"),
-    Row(&P::wet_darken, kWeather, "wet_darken", "", 0, 1,
+    Entry(&P::wet_darken, kWeather, "wet_darken", "", 0, 1,
         "soaked: share of the brightness that is left"),
-    LayerParamRow<std::array<float, 3>>{.member = &P::dirt_colour, .key = "dirt_colour",
+    LayerParamEntry<std::array<float, 3>>{.member = &P::dirt_colour, .key = "dirt_colour",
         .unit = "", .low = 0, .high = 1, .text = "mixed into the colours when dirty",
         .group = kWeather, .in_file = kDirtFields},
-    SwitchRow(&P::lit, kLook, "lit", "gather the scene's lights for it, for the renderer to shade with"),
-    SwitchRow(&P::painted, kWeather, "painted", "lit: brushes and weather act on each strand's look"),
-    Row(&P::shells, kLook, "shells", "", 1, kMaxShells,
+    SwitchEntry(&P::lit, kLook, "lit",
+        "gather the scene's lights for it, for the renderer to shade with"),
+    SwitchEntry(&P::painted, kWeather, "painted",
+        "lit: brushes and weather act on each strand's look"),
+    Entry(&P::shells, kLook, "shells", "", 1, kMaxShells,
         "shells: how many up close; at d metres at most 40 / d"),
-    WordRow(&P::cone_kind, kMotion, "cone_kind", kConeWords,
-            "shells: how the force is kept in its cone; published: as in the original"),
-    Row(&P::cone, kMotion, "cone", "", -1, 1,
+    WordEntry(&P::cone_kind, kMotion, "cone_kind", kConeWords,
+        "shells: how the force is kept in its cone; published: as in the original"),
+    Entry(&P::cone, kMotion, "cone", "", -1, 1,
         "shells: least cosine between the force and the skin's normal; -1: no cone"),
-    Row(&P::fur_shadow, kLook, "fur_shadow", "", 0, 1, "shells: share of the light left at the skin"),
-    Row(&P::fur_density, kLook, "fur_density", "", 0, 8,
+    Entry(&P::fur_shadow, kLook, "fur_shadow", "", 0, 1,
+        "shells: share of the light left at the skin"),
+    Entry(&P::fur_density, kLook, "fur_density", "", 0, 8,
         "shells: hairs thrown on the texture, for each texel; 1 - exp(-density) of them have one"),
-    Row(&P::fur_min_length, kLook, "fur_min_length", "", 0, 1,
+    Entry(&P::fur_min_length, kLook, "fur_min_length", "", 0, 1,
         "shells: of the shortest hair, over the longest"),
-    Row(&P::fur_texture_size, kLook, "fur_texture_size", "texels", 1, 2048,
+    Entry(&P::fur_texture_size, kLook, "fur_texture_size", "texels", 1, 2048,
         "shells: side of the texture"),
-    Row(&P::fur_texture_repeat, kLook, "fur_texture_repeat", "", 0.01, 1000,
+    Entry(&P::fur_texture_repeat, kLook, "fur_texture_repeat", "", 0.01, 1000,
         "shells: of the texture, along 0 to 1 of the skin's coordinates"),
-    Row(&P::fur_seed, kLook, "fur_seed", "", 0, 1e6, "shells: of the texture's random numbers"),
-    SwitchRow(&P::fins, kLook, "fins",
-              "shells: edges of the skin that are seen from the side are drawn out along the fur"),
+    Entry(&P::fur_seed, kLook, "fur_seed", "", 0, 1e6, "shells: of the texture's random numbers"),
+    SwitchEntry(&P::fins, kLook, "fins",
+        "shells: edges of the skin that are seen from the side are drawn out along the fur"),
 };
 // clang-format on
-static_assert(std::tuple_size_v<decltype(kRows)> == kMemberCount<LayerParams>,
-              "a parameter without a row is neither stored nor checked");
+static_assert(std::tuple_size_v<decltype(kEntries)> == kMemberCount<LayerParams>,
+              "a parameter without an entry is neither stored nor checked");
 
 }  // namespace layer_params_detail
 
-inline constexpr const auto& kLayerParamRows = layer_params_detail::kRows;
+inline constexpr const auto& kLayerParamEntries = layer_params_detail::kEntries;
 
-// Calls visit(row) for each row, in their order.
+// Calls visit(entry) for each entry, in their order.
 constexpr void ForEachLayerParam(auto&& visit) {
-  std::apply([&](const auto&... row) { (visit(row), ...); }, kLayerParamRows);
+  std::apply([&](const auto&... entry) { (visit(entry), ...); }, kLayerParamEntries);
 }
 
-// The row of a member.
+// The entry of a member.
 template <class T>
-constexpr const LayerParamRow<T>& LayerParamRowOf(T LayerParams::*member) {
-  const LayerParamRow<T>* found = nullptr;
-  ForEachLayerParam([&](const auto& row) {
-    if constexpr (std::is_same_v<decltype(row), const LayerParamRow<T>&>)
-      if (row.member == member) found = &row;
+constexpr const LayerParamEntry<T>& LayerParamEntryOf(T LayerParams::*member) {
+  const LayerParamEntry<T>* found = nullptr;
+  ForEachLayerParam([&](const auto& entry) {
+    if constexpr (std::is_same_v<decltype(entry), const LayerParamEntry<T>&>)
+      if (entry.member == member) found = &entry;
   });
   return *found;
 }

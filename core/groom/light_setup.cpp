@@ -1,16 +1,16 @@
 // The lights of a fur setup: the keys of its [lights], and the form that a frame takes them in.
 #include "core/float_environment.hpp"
 #include "core/float_rules.hpp"
-#include "core/groom/setup_rows.hpp"
+#include "core/groom/setup_entries.hpp"
 
 namespace pelt {
 namespace {
 
-using setup_rows::kReachLimit;
-using setup_rows::Number;
-using setup_rows::Plain;
-using setup_rows::Required;
-using setup_rows::Text;
+using setup_entries::kReachLimit;
+using setup_entries::Number;
+using setup_entries::Plain;
+using setup_entries::Required;
+using setup_entries::Text;
 
 constexpr double kBrightest = 1000.0;  // of a light's colour
 
@@ -27,9 +27,9 @@ auto LinearColour(Text key, Text doc, double low = 0.0) {
 }  // namespace
 
 template <>
-std::span<const KeyRow<LightsSetup>> Schema() {
+std::span<const KeyEntry<LightsSetup>> Schema() {
   using S = LightsSetup;
-  static const KeyRow<S> kRows[] = {
+  static const KeyEntry<S> kEntries[] = {
       Plain<&S::lights>("light", "tables", "points and balls that shine", 0,
                         double(kLightsPerScene)),
       Plain<&S::samples>("sample", "tables", "the surroundings as seen from places", 0,
@@ -37,53 +37,53 @@ std::span<const KeyRow<LightsSetup>> Schema() {
       Plain<&S::sun>("sun", "table", "light from one side"),
       Plain<&S::rim>("rim", "table", "light at the outline"),
   };
-  return kRows;
+  return kEntries;
 }
 
 template <>
-std::span<const KeyRow<LightsSetup::Light>> Schema() {
+std::span<const KeyEntry<LightsSetup::Light>> Schema() {
   using S = LightsSetup::Light;
-  static const KeyRow<S> kRows[] = {
+  static const KeyEntry<S> kEntries[] = {
       Required(Place<&S::position>("position", "m, world")),
       Number<&S::radius>("radius", "m", 0, kReachLimit, "of a ball; 0: a point"),
       LinearColour<&S::colour>("colour", "linear; irradiance of what faces it, at 1 m"),
       Number<&S::range>("range", "m", 0, kReachLimit, "it falls to 0 there; 0: nowhere"),
   };
-  return kRows;
+  return kEntries;
 }
 
 template <>
-std::span<const KeyRow<LightsSetup::Sample>> Schema() {
+std::span<const KeyEntry<LightsSetup::Sample>> Schema() {
   using S = LightsSetup::Sample;
-  static const KeyRow<S> kRows[] = {
+  static const KeyEntry<S> kEntries[] = {
       Required(Place<&S::position>("position", "m, world")),
       Number<&S::falloff>("falloff", "m", 1e-3, kReachLimit, "its weight falls to 0 there"),
       LinearColour<&S::sky>("sky", "linear radiance from above"),
       LinearColour<&S::ground>("ground", "and from below"),
       Place<&S::up>("up", "any length but 0"),
   };
-  return kRows;
+  return kEntries;
 }
 
 template <>
-std::span<const KeyRow<LightsSetup::Sun>> Schema() {
+std::span<const KeyEntry<LightsSetup::Sun>> Schema() {
   using S = LightsSetup::Sun;
-  static const KeyRow<S> kRows[] = {
+  static const KeyEntry<S> kEntries[] = {
       Place<&S::direction>("direction", "towards it; any length but 0"),
       Required(LinearColour<&S::colour>("colour", "linear; what white that faces it reflects")),
   };
-  return kRows;
+  return kEntries;
 }
 
 template <>
-std::span<const KeyRow<LightsSetup::Rim>> Schema() {
+std::span<const KeyEntry<LightsSetup::Rim>> Schema() {
   using S = LightsSetup::Rim;
-  static const KeyRow<S> kRows[] = {
+  static const KeyEntry<S> kEntries[] = {
       Place<&S::direction>("direction", "the side that has it; any length but 0"),
       Required(LinearColour<&S::colour>("colour", "linear; below 0: darkens", -kBrightest)),
       Number<&S::exponent>("exponent", "", 0, kBrightest, "of 1 - |normal . view|"),
   };
-  return kRows;
+  return kEntries;
 }
 
 namespace {

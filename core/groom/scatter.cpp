@@ -63,13 +63,9 @@ std::vector<Candidate> DrawCandidates(const Mesh& mesh, const Growth& growth, co
     for (; next < passed; next += step) {
       u = Fraction(u + 0.75487766624669276);
       v = Fraction(v + 0.56984029099805327);
-      double x = Fraction(u + jitter * random.Uniform()),
-             y = Fraction(v + jitter * random.Uniform());
-      if (x + y > 1.0) {
-        x = 1.0 - x;
-        y = 1.0 - y;
-      }
-      const SurfacePoint place{t, {float(1.0 - x - y), float(x), float(y)}};
+      const double x = Fraction(u + jitter * random.Uniform()),
+                   y = Fraction(v + jitter * random.Uniform());
+      const SurfacePoint place = PlaceInTriangle(t, x, y);
       const float share = growth.Share(place);
       due += std::min(share / limit, 1.0f);
       if (due < 1.0f) continue;

@@ -150,12 +150,8 @@ std::vector<ScatterPoint> ScatterByRejection(const Character& character, const R
     const auto at = std::upper_bound(cumulative.begin(), cumulative.end(), sum * random.Uniform());
     const uint32_t t =
         uint32_t(std::min<size_t>(size_t(at - cumulative.begin()), cumulative.size() - 1));
-    double x = random.Uniform(), y = random.Uniform();
-    if (x + y > 1.0) {
-      x = 1.0 - x;
-      y = 1.0 - y;
-    }
-    const SurfacePoint place{t, {float(1.0 - x - y), float(x), float(y)}};
+    const double x = random.Uniform(), y = random.Uniform();
+    const SurfacePoint place = PlaceInTriangle(t, x, y);
     const float share = growth.Share(place);
     if (random.Uniform() * double(growth.TriangleLimit(t)) >= double(share)) continue;
     points.push_back({place, Interpolate(rest.position, mesh, place),

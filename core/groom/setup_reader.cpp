@@ -1,6 +1,6 @@
 // How a value of each kind is read from TOML, and how a mistake is reported.
 //
-// Invariant: no value leaves this file unchecked: every number is finite and within its row's
+// Invariant: no value leaves this file unchecked: every number is finite and within its entry's
 // bounds, every word is known, every list has a bounded length. The frame relies on it.
 
 #include <fmt/format.h>
@@ -14,7 +14,6 @@
 #include "core/format.hpp"
 #include "core/groom/nearest_word.hpp"
 #include "core/groom/setup_schema.hpp"
-#include "core/printable.hpp"
 
 namespace pelt {
 namespace {
@@ -61,7 +60,7 @@ uint32_t SetupReader::LineOf(const toml::node& node) const {
   return std::max<uint32_t>(node.source().begin.line, 1);
 }
 
-std::vector<SetupReader::Entry> SetupReader::ListEntries(const toml::table& table,
+std::vector<SetupReader::FoundKey> SetupReader::FindKeys(const toml::table& table,
                                                          std::span<const std::string_view> names) {
   struct Found {
     toml::source_position place;
@@ -73,19 +72,19 @@ std::vector<SetupReader::Entry> SetupReader::ListEntries(const toml::table& tabl
   std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) {
     return a.place < b.place || (a.place == b.place && a.key < b.key);
   });
-  std::vector<Entry> entries;
+  std::vector<FoundKey> keys;
   for (const Found& f : found) {
-    const auto row = std::find(names.begin(), names.end(), f.key);
-    if (row == names.end()) {
+    const auto name = std::find(names.begin(), names.end(), f.key);
+    if (name == names.end()) {
       const std::string_view nearest = FindNearestWord(f.key, names);
       Fail(std::max<uint32_t>(f.place.line, 1),
            Format("unknown key '{}{}'; {}", prefix_, f.key,
                   nearest.empty() ? std::string("pelt bake --keys lists the known ones")
                                   : Format("did you mean '{}{}'?", prefix_, nearest)));
     }
-    entries.push_back({size_t(row - names.begin()), f.node});
+    keys.push_back({size_t(name - names.begin()), f.node});
   }
-  return entries;
+  return keys;
 }
 
 // ---- Values -------------------------------------------------------------------------------------

@@ -4,27 +4,27 @@
 // hostile files from asking for absurd amounts of work; they are far outside what looks good.
 #include "core/groom/setup_schema.hpp"
 
-#include "core/chunk.hpp"
 #include "core/float_rules.hpp"
-#include "core/groom/setup_rows.hpp"
+#include "core/groom/setup_entries.hpp"
+#include "core/layer.hpp"
 
 namespace pelt {
 namespace {
 
-using setup_rows::AsOuter;
-using setup_rows::ChannelOf;
-using setup_rows::Colour;
-using setup_rows::Count;
-using setup_rows::kReachLimit;
-using setup_rows::MakeRow;
-using setup_rows::Map;
-using setup_rows::Number;
-using setup_rows::Plain;
-using setup_rows::Required;
-using setup_rows::Show;
-using setup_rows::SurfaceMap;
-using setup_rows::Switch;
-using setup_rows::Text;
+using setup_entries::AsOuter;
+using setup_entries::ChannelOf;
+using setup_entries::Colour;
+using setup_entries::Count;
+using setup_entries::kReachLimit;
+using setup_entries::MakeEntry;
+using setup_entries::Map;
+using setup_entries::Number;
+using setup_entries::Plain;
+using setup_entries::Required;
+using setup_entries::Show;
+using setup_entries::SurfaceMap;
+using setup_entries::Switch;
+using setup_entries::Text;
 
 constexpr std::string_view kAxisWords[] = {"x", "y", "z"};
 constexpr double kStrandLimit = 8388608.0;  // a strand's index in its layer has 24 bits
@@ -40,28 +40,30 @@ constexpr Text ParamType() {
                                        : "number";
 }
 
-// The key of a layer parameter, made from its row.
+// The key of a layer parameter, made from its entry.
 template <size_t kPlace>
-KeyRow<L> ParamKey() {
-  constexpr const auto& kRow = std::get<kPlace>(kLayerParamRows);
-  using T = MemberType<kRow.member>;
+KeyEntry<L> ParamKey() {
+  constexpr const auto& kEntry = std::get<kPlace>(kLayerParamEntries);
+  using T = MemberType<kEntry.member>;
   if constexpr (std::is_class_v<T>)
-    return Colour<kParams, kRow.member>(kRow.key, kRow.text);
+    return Colour<kParams, kEntry.member>(kEntry.key, kEntry.text);
   else
-    return MakeRow<kParams, kRow.member>(
-        {kRow.key, ParamType<T>(), kRow.unit, kRow.low, kRow.high, kRow.text, kRow.words});
+    return MakeEntry<kParams, kEntry.member>({kEntry.key, ParamType<T>(), kEntry.unit, kEntry.low,
+                                              kEntry.high, kEntry.text, kEntry.words});
 }
 
-// The key of an attribute, made from its row.
+// The key of an attribute, made from its entry.
 template <size_t kPlace>
-KeyRow<L> AttributeKey() {
-  constexpr const StrandAttribute& kRow = kStrandAttributes[kPlace];
-  return MakeRow<kRow.member>({kRow.key, "attribute", kRow.unit, kRow.low, kRow.high, kRow.text});
+KeyEntry<L> AttributeKey() {
+  constexpr const StrandAttribute& kEntry = kStrandAttributes[kPlace];
+  return MakeEntry<kEntry.member>(
+      {kEntry.key, "attribute", kEntry.unit, kEntry.low, kEntry.high, kEntry.text});
 }
 
 // A group's keys: its attributes, those of the layer itself, its parameters.
-void AddKeys(std::vector<KeyRow<L>>& keys, KeyGroup group, std::initializer_list<KeyRow<L>> own) {
-  const auto add = [&](KeyGroup of, const KeyRow<L>& key) {
+void AddKeys(std::vector<KeyEntry<L>>& keys, KeyGroup group,
+             std::initializer_list<KeyEntry<L>> own) {
+  const auto add = [&](KeyGroup of, const KeyEntry<L>& key) {
     if (of == group) keys.push_back(key);
   };
   [&]<size_t... kPlace>(std::index_sequence<kPlace...>) {
@@ -70,12 +72,13 @@ void AddKeys(std::vector<KeyRow<L>>& keys, KeyGroup group, std::initializer_list
   (std::make_index_sequence<kStrandAttributes.size()>());
   keys.insert(keys.end(), own);
   [&]<size_t... kPlace>(std::index_sequence<kPlace...>) {
-    (add(std::get<kPlace>(kLayerParamRows).group, ParamKey<kPlace>()), ...);
+    (add(std::get<kPlace>(kLayerParamEntries).group, ParamKey<kPlace>()), ...);
   }
-  (std::make_index_sequence<std::tuple_size_v<std::remove_cvref_t<decltype(kLayerParamRows)>>>());
+  (std::make_index_sequence<
+      std::tuple_size_v<std::remove_cvref_t<decltype(kLayerParamEntries)>>>());
 }
 
-KeyRow<L> DensityRow() {
+KeyEntry<L> DensityEntry() {
   KeyInfo info{"density", "attribute", "1/m^2",
                0,         1.0e7,       "strands per square metre; randomise: by triangle"};
   return {info,
@@ -89,8 +92,8 @@ KeyRow<L> DensityRow() {
 }  // namespace
 
 template <>
-std::span<const KeyRow<FurSetup>> Schema() {
-  static const KeyRow<FurSetup> kRows[] = {
+std::span<const KeyEntry<FurSetup>> Schema() {
+  static const KeyEntry<FurSetup> kEntries[] = {
       Number<&FurSetup::unit_scale>("unit_scale", "m", 1e-6, 1e6,
                                     "metres a unit of the character file; else from its size"),
       Number<&FurSetup::crease_angle>(
@@ -108,13 +111,13 @@ std::span<const KeyRow<FurSetup>> Schema() {
        nullptr,
        [](const KeyInfo&, const FurSetup&) { return std::string("none"); }},
   };
-  return kRows;
+  return kEntries;
 }
 
 template <>
-std::span<const KeyRow<LayerSetup>> Schema() {
-  static const std::vector<KeyRow<L>> kKeys = [] {
-    std::vector<KeyRow<L>> keys;
+std::span<const KeyEntry<LayerSetup>> Schema() {
+  static const std::vector<KeyEntry<L>> kKeys = [] {
+    std::vector<KeyEntry<L>> keys;
     // What the layer is.
     AddKeys(keys, KeyGroup::kLayer,
             {
@@ -125,7 +128,7 @@ std::span<const KeyRow<LayerSetup>> Schema() {
     // Where it grows, and how much.
     AddKeys(keys, KeyGroup::kGrowth,
             {
-                DensityRow(),
+                DensityEntry(),
                 Count<&L::max_strands>("max_strands", 0, kStrandLimit,
                                        "most strands; 0: density decides"),
                 Plain<&L::mask>("mask", "mask", "where the layer grows"),
@@ -160,30 +163,30 @@ std::span<const KeyRow<LayerSetup>> Schema() {
 }
 
 template <>
-std::span<const KeyRow<Attribute>> Schema() {
+std::span<const KeyEntry<Attribute>> Schema() {
   using A = Attribute;
-  static const KeyRow<A> kRows[] = {
+  static const KeyEntry<A> kEntries[] = {
       AsOuter(Number<&A::value>("value", "", 0, 0, "where the map is 1")),
       Number<&A::randomise>("randomise", "", 0, 1, "times (1 + randomise * u), u in [-1, 1]"),
       AsOuter(Plain<&A::range>("range", "[low, high]", "the result is kept inside")),
       Plain<&A::map, &MapChannel::map>("map", "path", "PNG that scales the value; needs UVs"),
       ChannelOf<&A::map, &MapChannel::channel>("of the map"),
   };
-  return kRows;
+  return kEntries;
 }
 
 template <>
-std::span<const KeyRow<MapChannel>> Schema() {
-  static const KeyRow<MapChannel> kRows[] = {
+std::span<const KeyEntry<MapChannel>> Schema() {
+  static const KeyEntry<MapChannel> kEntries[] = {
       Required(Plain<&MapChannel::map>("map", "path", "PNG, from the setup's folder")),
       ChannelOf<&MapChannel::channel>("of the map"),
   };
-  return kRows;
+  return kEntries;
 }
 
 template <>
-std::span<const KeyRow<Mask>> Schema() {
-  static const KeyRow<Mask> kRows[] = {
+std::span<const KeyEntry<Mask>> Schema() {
+  static const KeyEntry<Mask> kEntries[] = {
       Plain<&Mask::materials>("materials", "texts",
                               "grow on these alone; else on all but eyes, claws, clothes..."),
       Plain<&Mask::joints>("joints", "tables", "grow where joints move the skin; largest counts"),
@@ -199,73 +202,73 @@ std::span<const KeyRow<Mask>> Schema() {
           "colour_tolerance", "", 0, 1,
           "of mask.colours: most that r, g and b may each differ, of their range"),
   };
-  return kRows;
+  return kEntries;
 }
 
 template <>
-std::span<const KeyRow<Mask::JointWeight>> Schema() {
+std::span<const KeyEntry<Mask::JointWeight>> Schema() {
   using J = Mask::JointWeight;
-  static const KeyRow<J> kRows[] = {
+  static const KeyEntry<J> kEntries[] = {
       Required(Plain<&J::joint>("joint", "text", "name of a joint")),
       Switch<&J::subtree>("subtree", "its descendants count too"),
       Number<&J::low>("low", "", 0, 1, "weight at which fur begins"),
       Number<&J::high>("high", "", 0, 1, "weight from which fur is full"),
   };
-  return kRows;
+  return kEntries;
 }
 
 template <>
-std::span<const KeyRow<Mask::Box>> Schema() {
+std::span<const KeyEntry<Mask::Box>> Schema() {
   using B = Mask::Box;
-  static const KeyRow<B> kRows[] = {
-      MakeRow<&B::axis>({"axis", "word", "", 0, 0, "to project along", kAxisWords}),
+  static const KeyEntry<B> kEntries[] = {
+      MakeEntry<&B::axis>({"axis", "word", "", 0, 0, "to project along", kAxisWords}),
       Required(Plain<&B::map, &MapChannel::map>("map", "path", "PNG, from the setup's folder")),
       ChannelOf<&B::map, &MapChannel::channel>("of the map"),
   };
-  return kRows;
+  return kEntries;
 }
 
 template <>
-std::span<const KeyRow<Mask::Range>> Schema() {
+std::span<const KeyEntry<Mask::Range>> Schema() {
   using R = Mask::Range;
-  static const KeyRow<R> kRows[] = {
+  static const KeyEntry<R> kEntries[] = {
       Plain<&R::low>("low", "[x, y, z]", "corner, as a share of the box", 0, 1),
       Plain<&R::high>("high", "[x, y, z]", "other corner", 0, 1),
   };
-  return kRows;
+  return kEntries;
 }
 
 template <>
-std::span<const KeyRow<Mask::AwayFrom>> Schema() {
+std::span<const KeyEntry<Mask::AwayFrom>> Schema() {
   using A = Mask::AwayFrom;
-  static const KeyRow<A> kRows[] = {
+  static const KeyEntry<A> kEntries[] = {
       Required(Plain<&A::materials>("materials", "texts", "that it keeps away from", 1, 64)),
       Number<&A::distance>("distance", "m", 0, kReachLimit,
                            "of the rest pose, to the nearest of them"),
   };
-  return kRows;
+  return kEntries;
 }
 
 template <>
-std::span<const KeyRow<CombVector>> Schema() {
+std::span<const KeyEntry<CombVector>> Schema() {
   using C = CombVector;
-  static const KeyRow<C> kRows[] = {
+  static const KeyEntry<C> kEntries[] = {
       Required(
           Plain<&C::position>("position", "[x, y, z]", "m, rest pose", -kReachLimit, kReachLimit)),
       Required(Plain<&C::direction>("direction", "[x, y, z]", "rest pose; any length but 0",
                                     -kReachLimit, kReachLimit)),
       Number<&C::reach>("reach", "m", 1e-4, kReachLimit, "how far it acts"),
   };
-  return kRows;
+  return kEntries;
 }
 
 namespace {
 
 template <class T>
 std::string FindMapKey(const T& object, const std::string& prefix = {}) {
-  for (const auto& row : Schema<T>()) {
-    const MapChannel* map = row.map ? row.map(object) : nullptr;
-    if (map && map->map) return prefix + std::string(row.info.key);
+  for (const auto& entry : Schema<T>()) {
+    const MapChannel* map = entry.map ? entry.map(object) : nullptr;
+    if (map && map->map) return prefix + std::string(entry.info.key);
   }
   return {};
 }
@@ -297,11 +300,11 @@ template <class T>
 void Describe(std::string& out, std::string_view heading) {
   out += Format("\n{}\n", heading);
   const T builtin{};
-  for (const auto& row : Schema<T>()) {
+  for (const auto& entry : Schema<T>()) {
     const std::string value =
-        row.info.required ? "needed" : "default " + row.show(row.info, builtin);
-    out += Format("  {:<24} {:<34} {:<22} {}\n", row.info.key, DescribeType(row.info), value,
-                  row.info.doc);
+        entry.info.required ? "needed" : "default " + entry.show(entry.info, builtin);
+    out += Format("  {:<24} {:<34} {:<22} {}\n", entry.info.key, DescribeType(entry.info), value,
+                  entry.info.doc);
   }
 }
 

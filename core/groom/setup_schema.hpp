@@ -1,8 +1,8 @@
-// The schema of the fur setup: one row for each key, and everything else follows from the row:
+// The schema of the fur setup: one entry for each key, and everything else follows from the entry:
 // reading, the message for a mistyped key, bounds, defaults, `pelt bake --keys`, and the check of
 // layer parameters in a groom file.
 //
-// Invariant: a key exists if and only if it has a row. A row names its field by members, so the
+// Invariant: a key exists if and only if it has an entry. An entry names its field by members, so the
 // type of the field chooses how the value is read; a field that is read by hand elsewhere would be
 // missing from all the others.
 #pragma once
@@ -53,46 +53,46 @@ struct KeyInfo {
 class SetupReader;
 
 template <class T>
-struct KeyRow {
+struct KeyEntry {
   KeyInfo info;
   void (*read)(SetupReader&, const KeyInfo&, const toml::node&, T&);
   std::string (*show)(const KeyInfo&, const T&);  // the value, for the key list
   const MapChannel* (*map)(const T&) = nullptr;   // the value's map over the surface, if it has one
 };
 
-// The rows of each thing that is written as a TOML table.
+// The entries of each thing that is written as a TOML table.
 template <class T>
-std::span<const KeyRow<T>> Schema();
+std::span<const KeyEntry<T>> Schema();
 template <>
-std::span<const KeyRow<FurSetup>> Schema();
+std::span<const KeyEntry<FurSetup>> Schema();
 template <>
-std::span<const KeyRow<LayerSetup>> Schema();
+std::span<const KeyEntry<LayerSetup>> Schema();
 template <>
-std::span<const KeyRow<Attribute>> Schema();
+std::span<const KeyEntry<Attribute>> Schema();
 template <>
-std::span<const KeyRow<MapChannel>> Schema();
+std::span<const KeyEntry<MapChannel>> Schema();
 template <>
-std::span<const KeyRow<Mask>> Schema();
+std::span<const KeyEntry<Mask>> Schema();
 template <>
-std::span<const KeyRow<Mask::JointWeight>> Schema();
+std::span<const KeyEntry<Mask::JointWeight>> Schema();
 template <>
-std::span<const KeyRow<Mask::Box>> Schema();
+std::span<const KeyEntry<Mask::Box>> Schema();
 template <>
-std::span<const KeyRow<Mask::Range>> Schema();
+std::span<const KeyEntry<Mask::Range>> Schema();
 template <>
-std::span<const KeyRow<Mask::AwayFrom>> Schema();
+std::span<const KeyEntry<Mask::AwayFrom>> Schema();
 template <>
-std::span<const KeyRow<CombVector>> Schema();
+std::span<const KeyEntry<CombVector>> Schema();
 template <>
-std::span<const KeyRow<LightsSetup>> Schema();
+std::span<const KeyEntry<LightsSetup>> Schema();
 template <>
-std::span<const KeyRow<LightsSetup::Light>> Schema();
+std::span<const KeyEntry<LightsSetup::Light>> Schema();
 template <>
-std::span<const KeyRow<LightsSetup::Sample>> Schema();
+std::span<const KeyEntry<LightsSetup::Sample>> Schema();
 template <>
-std::span<const KeyRow<LightsSetup::Sun>> Schema();
+std::span<const KeyEntry<LightsSetup::Sun>> Schema();
 template <>
-std::span<const KeyRow<LightsSetup::Rim>> Schema();
+std::span<const KeyEntry<LightsSetup::Rim>> Schema();
 
 template <class T, class... Tables>
 concept OneOf = (std::is_same_v<T, Tables> || ...);
@@ -168,29 +168,29 @@ class SetupReader {
     }
   }
 
-  // Reads every key of the table by its row, in file order. `outer` is the key that holds it. A
+  // Reads every key of the table by its entry, in file order. `outer` is the key that holds it. A
   // partial table may lack keys that are needed.
   template <class T>
   void ReadTable(const KeyInfo& outer, const toml::table& table, T& value, bool partial = false) {
     const std::string kept = prefix_;
     if (!outer.key.empty()) prefix_ += std::string(outer.key) + ".";
-    const auto rows = Schema<T>();
+    const auto entries = Schema<T>();
     std::vector<std::string_view> names;
-    for (const auto& row : rows) names.push_back(row.info.key);
-    for (const Entry& entry : ListEntries(table, names)) {
-      const KeyRow<T>& row = rows[entry.row];
-      if (!row.read) continue;
-      KeyInfo info = row.info;
+    for (const auto& entry : entries) names.push_back(entry.info.key);
+    for (const FoundKey& found : FindKeys(table, names)) {
+      const KeyEntry<T>& entry = entries[found.entry];
+      if (!entry.read) continue;
+      KeyInfo info = entry.info;
       if (info.outer_bounds) {
         info.low = outer.low;
         info.high = outer.high;
         info.unit = outer.unit;
       }
-      row.read(*this, info, *entry.node, value);
+      entry.read(*this, info, *found.node, value);
     }
-    for (const auto& row : rows) {
-      if (!partial && row.info.required && !table.contains(row.info.key)) {
-        FailKey(LineOf(table), row.info.key, "is needed here and missing");
+    for (const auto& entry : entries) {
+      if (!partial && entry.info.required && !table.contains(entry.info.key)) {
+        FailKey(LineOf(table), entry.info.key, "is needed here and missing");
       }
     }
     prefix_ = kept;
@@ -199,12 +199,12 @@ class SetupReader {
   uint32_t LineOf(const toml::node& node) const;
 
  private:
-  struct Entry {
-    size_t row;
+  struct FoundKey {
+    size_t entry;  // of the schema
     const toml::node* node;
   };
   // The table's keys in file order; fails on the first that is not among `names`.
-  std::vector<Entry> ListEntries(const toml::table&, std::span<const std::string_view> names);
+  std::vector<FoundKey> FindKeys(const toml::table&, std::span<const std::string_view> names);
   const toml::table& ExpectTable(const KeyInfo&, const toml::node&);
   const toml::array& ExpectArray(const KeyInfo&, const toml::node&, double low, double high);
   std::string_view ExpectString(const KeyInfo&, const toml::node&);

@@ -29,8 +29,8 @@ struct RodMaterial {
 class ModalCourse {
  public:
   // Fills the table for a frame of dt_s seconds; the first call assumes that the frames before were
-  // as long. `velocities`: the root's are known in this frame. Says whether the table changed. `others` and `tables` are courses that have advanced
-  // to this frame, with their tables.
+  // as long. `velocities`: the root's are known in this frame. Says whether the table changed. `others` and `tables`
+  // are courses that have advanced to this frame, with their tables.
   bool Advance(const RodMaterial& rod, ModalQuality quality, double dt_s, bool velocities,
                std::span<const ModalCourse> others, const ModalTableBlock* tables,
                ModalTableBlock* table);

@@ -231,8 +231,8 @@ bool Follows(double omega2, double h) { return omega2 * h * h <= 8.0; }
 
 void FillConstraint(const ModalLayer& layer, const ModeSteps& steps, double h, ModalTableBlock* t) {
   const uint32_t n = layer.modes.nodes;
-  // A change of force over the substep, 0 in its middle. Where every step turns the force, not of modes that it does not
-  // follow: they hardly answer to the force itself, and soft strands that drag alone damps then never rest. What is
+  // A change of force over the substep, 0 in its middle. Where every step turns the force, not of modes that it does
+  // not follow: they hardly answer to the force itself, and soft strands that drag alone damps then never rest. What is
   // stepped again because it failed needs it (modal_step.hpp).
   const auto slope_of = [&](uint32_t m, double constant, double linear) {
     const bool turns = t->use_slope == 0 || Follows(layer.modes.omega2[m], h);
@@ -324,8 +324,8 @@ void FillRestOfBend(const ModalLayer& layer, ModalTableBlock* t) {
     }
 }
 
-// Of a curl that turns with the strand: what is stiffer rests where the curl's explicit force puts it within a substep, and
-// that does not settle above 1 rad of curl; it hardly leaves its rest shape either, and turns with the root.
+// Of a curl that turns with the strand: what is stiffer rests where the curl's explicit force puts it within a substep,
+// and that does not settle above 1 rad of curl; it hardly leaves its rest shape either, and turns with the root.
 void FillCurl(const ModalLayer& layer, double h, ModalTableBlock* t) {
   const uint32_t n = layer.modes.nodes;
   const ModalMaterial& material = layer.material;

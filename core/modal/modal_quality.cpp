@@ -1,4 +1,4 @@
-#include "core/modal/quality_on_screen.hpp"
+#include "core/modal/modal_quality.hpp"
 
 #include <cmath>
 

@@ -1,5 +1,5 @@
-// What a row of the setup's schema is made by: its field found by members, read by its type and shown in the key list.
-// For the files that have rows (setup_schema.cpp, light_setup.cpp) and no other.
+// What an entry of a schema is made by: its field found by members, read by its type and shown in the key list. For the
+// files that have entries (setup_schema.cpp, light_setup.cpp, host_costs.cpp, layer_plan.cpp) and no other.
 #pragma once
 
 #include <fmt/format.h>
@@ -8,7 +8,7 @@
 #include "core/format.hpp"
 #include "core/groom/setup_schema.hpp"
 
-namespace pelt::setup_rows {
+namespace pelt::setup_entries {
 
 inline constexpr std::string_view kChannelWords[] = {"r", "g", "b", "a"};
 inline constexpr double kReachLimit = 1000.0;  // m, for places
@@ -78,12 +78,12 @@ struct OwnerOf<F C::*> {
   using Type = C;
 };
 
-// A row whose field is read by its type. A key starts from its own built-in value, so that a table
+// An entry whose field is read by its type. A key starts from its own built-in value, so that a table
 // which gives part of it never mixes with [defaults].
 template <auto kFirst, auto... kRest>
-auto MakeRow(const KeyInfo& info) {
+auto MakeEntry(const KeyInfo& info) {
   using Object = typename OwnerOf<decltype(kFirst)>::Type;
-  return KeyRow<Object>{
+  return KeyEntry<Object>{
       info,
       [](SetupReader& reader, const KeyInfo& key, const toml::node& node, Object& object) {
         const Object builtin{};
@@ -101,40 +101,40 @@ using Text = std::string_view;
 
 template <auto... kMembers>
 auto Number(Text key, Text unit, double low, double high, Text doc) {
-  return MakeRow<kMembers...>({key, "number", unit, low, high, doc});
+  return MakeEntry<kMembers...>({key, "number", unit, low, high, doc});
 }
 template <auto... kMembers>
 auto Count(Text key, double low, double high, Text doc) {
-  return MakeRow<kMembers...>({key, "whole number", "", low, high, doc});
+  return MakeEntry<kMembers...>({key, "whole number", "", low, high, doc});
 }
 template <auto... kMembers>
 auto Switch(Text key, Text doc) {
-  return MakeRow<kMembers...>({key, "true or false", "", 0, 1, doc});
+  return MakeEntry<kMembers...>({key, "true or false", "", 0, 1, doc});
 }
 template <auto... kMembers>
 auto Map(Text key, Text doc) {
-  return MakeRow<kMembers...>({key, "map", "", 0, 1, doc});
+  return MakeEntry<kMembers...>({key, "map", "", 0, 1, doc});
 }
 // Texts, tables and lists; a list's bounds are those of its length.
 template <auto... kMembers>
 auto Plain(Text key, Text type, Text doc, double low = 0, double high = 256) {
-  return MakeRow<kMembers...>({key, type, "", low, high, doc});
+  return MakeEntry<kMembers...>({key, type, "", low, high, doc});
 }
-template <class Row>
-Row Required(Row row) {
-  row.info.required = true;
-  return row;
+template <class Entry>
+Entry Required(Entry entry) {
+  entry.info.required = true;
+  return entry;
 }
-template <class Row>
-Row AsOuter(Row row) {
-  row.info.outer_bounds = true;
-  return row;
+template <class Entry>
+Entry AsOuter(Entry entry) {
+  entry.info.outer_bounds = true;
+  return entry;
 }
 
 template <auto kFirst, auto... kRest>
 auto Colour(Text key, Text doc) {
   using Object = typename OwnerOf<decltype(kFirst)>::Type;
-  return KeyRow<Object>{
+  return KeyEntry<Object>{
       {key, "colour", "", 0, 1, doc},
       [](SetupReader& reader, const KeyInfo& info, const toml::node& node, Object& object) {
         reader.ReadColour(info, node, Field<kFirst, kRest...>(object));
@@ -146,7 +146,7 @@ auto Colour(Text key, Text doc) {
 
 template <auto... kMembers>
 auto ChannelOf(Text doc) {
-  return MakeRow<kMembers...>({"channel", "word", "", 0, 3, doc, kChannelWords});
+  return MakeEntry<kMembers...>({"channel", "word", "", 0, 3, doc, kChannelWords});
 }
 
-}  // namespace pelt::setup_rows
+}  // namespace pelt::setup_entries
