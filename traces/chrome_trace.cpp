@@ -4,7 +4,6 @@
 #include <iterator>
 
 #include "core/format.hpp"
-#include "core/printable.hpp"
 
 namespace pelt {
 

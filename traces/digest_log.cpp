@@ -7,7 +7,6 @@
 
 #include "core/file_bytes.hpp"
 #include "core/format.hpp"
-#include "core/printable.hpp"
 
 namespace pelt {
 namespace {

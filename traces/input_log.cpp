@@ -7,7 +7,6 @@
 
 #include "core/file_bytes.hpp"
 #include "core/format.hpp"
-#include "core/printable.hpp"
 #include "traces/input_fields.hpp"
 #include "traces/input_log_format.hpp"
 

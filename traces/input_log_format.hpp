@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/chunk.hpp"
+#include "core/layer.hpp"
 #include "core/streams.hpp"
 #include "traces/digest.hpp"
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "core/file_bytes.hpp"
-#include "core/printable.hpp"
+#include "core/format.hpp"
 #include "traces/input_fields.hpp"
 #include "traces/input_log.hpp"
 #include "traces/input_log_format.hpp"

@@ -9,7 +9,7 @@
 #include "bench/report/budget.hpp"
 #include "core/error.hpp"
 #include "core/file_bytes.hpp"
-#include "core/printable.hpp"
+#include "core/format.hpp"
 
 namespace pelt {
 namespace {

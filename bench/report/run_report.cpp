@@ -10,7 +10,7 @@
 #include "bench/verify/lockstep.hpp"
 #include "core/error.hpp"
 #include "core/groom/layer_params.hpp"
-#include "core/modal/quality_on_screen.hpp"
+#include "core/modal/modal_quality.hpp"
 #include "jobs/pass_loop.hpp"
 #include "traces/digest.hpp"
 
@@ -36,7 +36,7 @@ void AddRow(const LayerQuality& layer, std::vector<Value> named, Show show, Repo
 }
 
 std::string_view WordOf(auto LayerParams::*param, const LayerParams& params) {
-  return LayerParamRowOf(param).words[size_t(params.*param)];
+  return LayerParamEntryOf(param).words[size_t(params.*param)];
 }
 
 }  // namespace

@@ -20,7 +20,7 @@
 namespace pelt {
 
 // The quality that each layer's strands were simulated in, frame by frame, and how wrong that may look: the scene
-// chooses it for what is seen (core/modal/quality_on_screen.hpp), and what a frame costs is the price of that choice.
+// chooses it for what is seen (core/modal/modal_quality.hpp), and what a frame costs is the price of that choice.
 
 struct LayerQuality {
   std::string name;

@@ -14,7 +14,7 @@
 
 #include "bench/report/machine_use.hpp"
 #include "jobs/scene.hpp"
-#include "traces/timeline.hpp"
+#include "traces/chrome_trace.hpp"
 
 namespace pelt {
 

@@ -58,6 +58,26 @@ std::string PlaceOf(const Mismatch& m) {
 
 }  // namespace
 
+std::string_view FindingName(FindingKind kind) {
+  constexpr std::string_view kNames[] = {"",
+                                         "value",
+                                         "order-dependent",
+                                         "race",
+                                         "undeclared-read",
+                                         "undeclared-write",
+                                         "reads-out",
+                                         "hidden-state",
+                                         "float-environment",
+                                         "skip-changes-bits",
+                                         "sleeper-not-woken",
+                                         "wrongly-culled",
+                                         "kept-over-rollback",
+                                         "digest-incomplete",
+                                         "workers",
+                                         "executor"};
+  return kNames[size_t(kind)];
+}
+
 std::string DescribeMismatch(const Mismatch& m) {
   if (!m.reproduced) return Format("frame {} differed once and not again in lock-step", m.frame);
   // Records are hashed as words; most are floats, so both readings are given.

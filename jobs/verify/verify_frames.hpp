@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "jobs/frame.hpp"
-#include "jobs/verify/finding.hpp"
+#include "jobs/verify/mismatch.hpp"
 
 namespace pelt {
 
