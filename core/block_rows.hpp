@@ -6,6 +6,7 @@
 
 #include "core/block_members.hpp"
 #include "core/chunk.hpp"
+#include "core/layer.hpp"
 #include "core/modal/modal_block.hpp"
 
 namespace pelt {

@@ -2,8 +2,8 @@
 // solver's quality go by.
 #pragma once
 
-#include "core/chunk.hpp"
 #include "core/float_rules.hpp"
+#include "core/layer.hpp"
 #include "core/simd.hpp"
 
 namespace pelt {

@@ -41,7 +41,7 @@ struct LodSettings {
   float least_chains = 0.0f;
   uint32_t strand_budget = 0;  // living strands over all layers in view; 0: no budget
   // Modal layers of quality `fine` are simulated in `fast` while its typical error is at most this on the
-  // screen (modal/quality_on_screen.hpp); whether skip.lod is on or not. 0: never.
+  // screen (modal/modal_quality.hpp); whether skip.lod is on or not. 0: never.
   float fast_quality_px = 0.5f;
   // Core time of the fur in view, us; 0: no budget. What `costs` say is over it is taken from what is least seen:
   // `fast` for `fine`, beginning with the smallest error, while that is at most worst_px; then, with skip.lod, strands.

@@ -20,12 +20,11 @@ float StiffnessLeft(const LayerParams& p, const Weather& weather) {
 }
 
 template <class T>
-T InFrameOf(const T& value, InFrame, float) {
+T InFrameOf(const T& value, InFrame) {
   return value;
 }
-float InFrameOf(float value, InFrame how, float softer) {
-  if (how == InFrame::kAsItIs) return value;
-  return how == InFrame::kClamped ? Saturate(value) : Saturate(value) * softer;
+float InFrameOf(float value, InFrame how) {
+  return how == InFrame::kClamped ? Saturate(value) : value;
 }
 
 // A soft surface is a spring, so stiff that a point at rest in it loses the share `hardness` of its
@@ -49,14 +48,13 @@ bool Differ(const LayerBlock& a, const LayerBlock& b) {
   return std::memcmp(&x, &y, sizeof x) != 0;
 }
 
-// What stands in the place of another solver's values: friction, and what moves a strand along with its
-// root without its feeling it.
+// Friction, and what moves a strand along with its root without its feeling it.
 void SetModal(const LayerParams& params, float dt, const LayerBlock* last, LayerBlock& b) {
-  b.friction = params.friction;
+  b.modal.friction = params.friction;
   b.motion_follow = 1.0f - Saturate(params.inertia);
-  b.turn_follow = 1.0f - Saturate(params.inertia_turn);
-  b.fastest_felt = params.inertia_speed > 0.0f ? params.inertia_speed * dt : 0.0f;
-  b.shrink = last && last->scale > 0.0f ? last->scale / b.scale : 1.0f;
+  b.modal.turn_follow = 1.0f - Saturate(params.inertia_turn);
+  b.modal.fastest_felt = params.inertia_speed > 0.0f ? params.inertia_speed * dt : 0.0f;
+  b.modal.shrink = last && last->scale > 0.0f ? last->scale / b.scale : 1.0f;
 }
 
 }  // namespace
@@ -92,12 +90,19 @@ LayerBlock FillLayerBlock(const LayerParams& params, const Weather& weather, flo
   const float dry_clump = Saturate(params.clump);
 
   LayerBlock b{};
-  ForEachLayerParam([&](const auto& row) {
-    if (row.frame) b.*row.frame = InFrameOf(params.*row.member, row.how, softer);
+  ForEachLayerParam([&](const auto& entry) {
+    if (entry.frame) b.*entry.frame = InFrameOf(params.*entry.member, entry.how);
   });
+  const double drag = params.velocity_damping > 0.0f ? double(params.velocity_damping) : 0.0;
+  b.link = {.velocity_keep = float(exact::Exp(-drag * double(dt))),
+            .segment_hardness = Saturate(params.segment_hardness),
+            .angular_middle = Saturate(params.angular_hardness_middle) * softer,
+            .angular_end = Saturate(params.angular_hardness_end) * softer,
+            .stiffness = Saturate(params.stiffness) * softer,
+            .iterations = params.iterations};
   // After 1/60 s.
   if (LayerKind(params) & kLayerModal)
-    b.drawn_hardness = b.surface_hardness * (2.0f - b.surface_hardness);
+    b.modal.drawn_hardness = b.surface_hardness * (2.0f - b.surface_hardness);
   b.surface_hardness = ShareOfDepth(b.surface_hardness, push_ratio);
   const float weight = params.weight * Mix(1.0f, params.wet_weight, wet);
   // Not -0, to which wind of no speed adds up to 0 where it is not skipped.
@@ -105,10 +110,8 @@ LayerBlock FillLayerBlock(const LayerParams& params, const Weather& weather, flo
   if (LayerKind(params) & kLayerSagFree) {
     double square = 0.0;
     for (int k = 0; k < 3; ++k) square += double(gravity[k]) * double(gravity[k]);
-    b.rest_gravity = float(double(params.weight) * std::sqrt(square));
+    b.modal.rest_gravity = float(double(params.weight) * std::sqrt(square));
   }
-  b.velocity_keep = float(exact::Exp(
-      -double(params.velocity_damping > 0 ? params.velocity_damping : 0.0f) * double(dt)));
   // Water closes a share of what is left to a full clump.
   b.clump = dry_clump + (1.0f - dry_clump) * Saturate(params.wet_clump) * wet;
   b.scale = scale;
@@ -148,6 +151,31 @@ ShellLayerBlock FillShellLayer(const LayerParams& params) {
   b.cone_kind = uint32_t(params.cone_kind);
   return b;
 }
+
+template <uint32_t kPoints>
+bool HasCurl(const RestBlock<kPoints>& rest) {
+  const float straight = float(exact::Cos(double(kLeastCurl_degrees) * exact::kRadiansPerDegree));
+  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
+    if (!(rest.strength[lane] > 0.0f)) continue;
+    float last[3] = {}, before[3] = {};  // link and point
+    for (uint32_t i = 0; i + 1 < kPoints; ++i) {
+      float turn = 0.0f;
+      for (int k = 0; k < 3; ++k) {
+        const float link = rest.offset[i][k][lane] - before[k];
+        before[k] = rest.offset[i][k][lane];
+        turn += link * last[k];
+        last[k] = link;
+      }
+      const float length = rest.segment_length[lane];
+      if (i > 0 && turn < straight * length * length) return true;
+    }
+  }
+  return false;
+}
+
+template bool HasCurl(const RestBlock<4>&);
+template bool HasCurl(const RestBlock<5>&);
+template bool HasCurl(const RestBlock<9>&);
 
 RodMaterial LayerRod(const LayerParams& params, const Weather& weather, float length_max,
                      bool curled) {

@@ -12,6 +12,7 @@
 #include "core/chunk.hpp"
 #include "core/frame_input.hpp"
 #include "core/groom/layer_params.hpp"
+#include "core/layer.hpp"
 #include "core/modal/modal_course.hpp"
 
 namespace pelt {
@@ -41,6 +42,18 @@ LayerBlock FillLayerBlock(const LayerParams& params, const Weather& weather, flo
 
 // Of a layer with output = "shells".
 ShellLayerBlock FillShellLayer(const LayerParams& params);
+
+// A joint that rests bent by less than this turns with the root regardless of the setup. By how much
+// of the secondary motion the two models differ (calibrated chains, dangly / soft / medium / stiff,
+// per cent): at 2 degrees a joint 1 / 2 / 2 / 1, which is what the default quality gets wrong besides;
+// at 3 degrees 1 / 4 / 4 / 2, at 5 2 / 13 / 8 / 6, at 10 5 / 26 / 22 / 19, at 20 12 / 55 / 47 / 44.
+inline constexpr float kLeastCurl_degrees = 2.0f;
+
+// Some chain with simulation strength has a joint that rests bent by more. Where all lie straight, a
+// curl that turns with the strand (kernels/modal_curl.hpp) and one that follows the root are the same,
+// and the latter costs less.
+template <uint32_t kPoints>
+bool HasCurl(const RestBlock<kPoints>& rest);
 
 // What the strands of a layer with the modal solver are made of. Wetness takes stiffness. `curled`:
 // some of them rest bent (HasCurl); where none does, both models of a curl are one, and the dear one

@@ -1,7 +1,7 @@
-// What vertices a layer may have: one row for each format. A new format is a kernel that writes it,
-// its stream, and a row here; setups, groom files, the plan, Draws() and the reports read the row.
+// What vertices a layer may have: one entry for each format. A new format is a kernel that writes it,
+// its stream, and an entry here; setups, groom files, the plan, Draws() and the reports read the entry.
 //
-// Rows are in the order of Output, whose values are in groom files. A format's bytes, and the
+// Entries are in the order of Output, whose values are in groom files. A format's bytes, and the
 // shaders that read them, are described in jobs/DRAWING.md.
 #pragma once
 
@@ -32,9 +32,9 @@ struct StrandCurve {
 template <class Vertex>
 inline constexpr char kVertexType = 0;
 
-struct OutputRow {
+struct OutputEntry {
   std::string_view name;  // in setups, and for those who draw
-  uint32_t flag;          // the LayerFlag of its layers; of the first row 0
+  uint32_t flag;          // the LayerFlag of its layers; of the first entry 0
   // Where the vertices are: with VertexOrder::kSorted, and with kIndexBuffer.
   Stream in_draw_order, in_strand_order;
   const void* vertex_type;  // address of kVertexType of it
@@ -63,7 +63,7 @@ StrandCurve ReadCurveAt(const std::byte* record, float tip_width) {
 
 // Vertex is one of kVerticesPerStrand that a block of kInDrawOrder has for each strand.
 template <auto kInDrawOrder, auto kInStrandOrder, auto kCurves, class Vertex>
-constexpr OutputRow Row(std::string_view name, uint32_t flag, bool faces_eye) {
+constexpr OutputEntry Entry(std::string_view name, uint32_t flag, bool faces_eye) {
   constexpr uint32_t kBytes = sizeof(BlockOf<kInDrawOrder>) / kStrandsPerChunk;
   static_assert(sizeof(BlockOf<kInStrandOrder>) / kStrandsPerChunk == kBytes);
   static_assert(kBytes % sizeof(Vertex) == 0);
@@ -82,7 +82,7 @@ constexpr OutputRow Row(std::string_view name, uint32_t flag, bool faces_eye) {
 
 // A vertex for each of the chunk's mesh vertices, which are in no drawing order.
 template <auto kVertices, class Vertex>
-constexpr OutputRow SkinRow(std::string_view name, uint32_t flag) {
+constexpr OutputEntry SkinEntry(std::string_view name, uint32_t flag) {
   static_assert(sizeof(BlockOf<kVertices>) == kVerticesPerChunk * sizeof(Vertex));
   return {name,
           flag,
@@ -97,42 +97,42 @@ constexpr OutputRow SkinRow(std::string_view name, uint32_t flag) {
           nullptr};
 }
 
-inline constexpr OutputRow kRows[] = {
-    Row<&Streams::instances, &Streams::curves, &Streams::curves, CurveRecord>("instances", 0,
-                                                                              false),
-    Row<&Streams::ribbon_vertices, &Streams::ribbon_vertices, &Streams::ribbons, RibbonVertex>(
+inline constexpr OutputEntry kEntries[] = {
+    Entry<&Streams::instances, &Streams::curves, &Streams::curves, CurveRecord>("instances", 0,
+                                                                                false),
+    Entry<&Streams::ribbon_vertices, &Streams::ribbon_vertices, &Streams::ribbons, RibbonVertex>(
         "ribbons", kLayerRibbons, true),
-    Row<&Streams::line_vertices, &Streams::line_vertices, &Streams::curves, LineVertex>(
+    Entry<&Streams::line_vertices, &Streams::line_vertices, &Streams::curves, LineVertex>(
         "lines", kLayerLines, false),
-    SkinRow<&Streams::shell_vertices, ShellVertex>("shells", kLayerShells),
+    SkinEntry<&Streams::shell_vertices, ShellVertex>("shells", kLayerShells),
 };
 
 constexpr auto NamesOf() {
-  std::array<std::string_view, std::size(kRows)> names;
-  for (size_t i = 0; i < names.size(); ++i) names[i] = kRows[i].name;
+  std::array<std::string_view, std::size(kEntries)> names;
+  for (size_t i = 0; i < names.size(); ++i) names[i] = kEntries[i].name;
   return names;
 }
 
 constexpr uint32_t FlagsOf(bool eye_facing_only) {
   uint32_t flags = 0;
-  for (const OutputRow& row : kRows)
-    if (row.faces_eye || !eye_facing_only) flags |= row.flag;
+  for (const OutputEntry& entry : kEntries)
+    if (entry.faces_eye || !eye_facing_only) flags |= entry.flag;
   return flags;
 }
 static_assert(FlagsOf(false) == kLayerOutputFlags);
 
 }  // namespace outputs_detail
 
-inline constexpr auto& kOutputs = outputs_detail::kRows;
+inline constexpr auto& kOutputs = outputs_detail::kEntries;
 inline constexpr uint32_t kOutputCount = std::size(kOutputs);
 inline constexpr auto kOutputNames = outputs_detail::NamesOf();
 // Of layers whose vertices depend on where the eye is.
 inline constexpr uint32_t kEyeFacingFlags = outputs_detail::FlagsOf(true);
 
 // The output whose vertices a stream has; null for other streams.
-constexpr const OutputRow* FindOutputIn(Stream stream) {
-  for (const OutputRow& row : kOutputs)
-    if (row.in_draw_order == stream || row.in_strand_order == stream) return &row;
+constexpr const OutputEntry* FindOutputIn(Stream stream) {
+  for (const OutputEntry& entry : kOutputs)
+    if (entry.in_draw_order == stream || entry.in_strand_order == stream) return &entry;
   return nullptr;
 }
 // The place in kOutputs (Output, core/groom/layer_params.hpp) of layers of this kind.

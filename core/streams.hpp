@@ -4,6 +4,7 @@
 #pragma once
 
 #include "core/chunk.hpp"
+#include "core/layer.hpp"
 #include "core/modal/modal_block.hpp"
 #include "core/stream_table.hpp"
 

@@ -13,7 +13,6 @@
 #include "core/kernels/frame_params.hpp"
 #include "core/kernels/frame_table.hpp"
 #include "core/layer_block.hpp"
-#include "core/modal/rest_curl.hpp"
 #include "core/outputs.hpp"
 #include "jobs/input_check.hpp"
 

@@ -237,7 +237,7 @@ class FurScene {
   uint32_t LiveStrands() const;   // over all visible layers
   uint32_t DrawnStrands() const;  // of those, in front of the camera's back-face test
   // Of a layer with the modal solver, after a frame: the quality that ran, and how wrong that may look
-  // from where the frame's camera is (core/modal/quality_on_screen.hpp).
+  // from where the frame's camera is (core/modal/modal_quality.hpp).
   ScreenQuality QualityOf(uint32_t layer) const;
   // What LodSettings::budget_us made of the last frame.
   const LodBudget& budget() const { return budget_; }

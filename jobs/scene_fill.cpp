@@ -8,7 +8,7 @@
 #include "core/float_rules.hpp"
 #include "core/kernels/frame_params.hpp"
 #include "core/layer_block.hpp"
-#include "core/modal/quality_on_screen.hpp"
+#include "core/modal/modal_quality.hpp"
 #include "jobs/colliders.hpp"
 #include "jobs/scene.hpp"
 

@@ -97,11 +97,11 @@ std::string FindBudgetFault(const SceneLayout& layout, uint64_t budget_bytes) {
       "; about {:.0f} of its {} strands would fit: lower density or max_strands in the fur setup, "
       "or leave out layers or characters",
       share * double(layout.strand_count), layout.strand_count);
-  const auto less = [](const OutputRow& a, const OutputRow& b) {
+  const auto less = [](const OutputEntry& a, const OutputEntry& b) {
     return a.OfStrands() && (!b.OfStrands() || a.StrandBytes() < b.StrandBytes());
   };
-  const OutputRow& least = *std::min_element(std::begin(kOutputs), std::end(kOutputs), less);
-  for (const OutputRow& output : kOutputs)
+  const OutputEntry& least = *std::min_element(std::begin(kOutputs), std::end(kOutputs), less);
+  for (const OutputEntry& output : kOutputs)
     if (output.OfStrands() && less(least, output) &&
         layout.ranges[size_t(output.in_draw_order)].bytes != 0)
       text += Format("; layers with output = \"{}\" need less than {}", least.name, output.name);

@@ -184,7 +184,7 @@ struct StateLooker : StateArchive<StateLooker> {
 
 constexpr std::string_view kMagic = "PELTSNP\n";
 // Goes up when the meaning of values changes; changes of streams show in the layout.
-constexpr uint32_t kVersion = 1;
+constexpr uint32_t kVersion = 2;
 constexpr size_t kHeaderBytes = 64, kChecksumAt = 48;
 static_assert(sizeof(FrameParams) % 4 == 0 && alignof(FrameParams) == 4,
               "parameters are words, and go into a snapshot as such");

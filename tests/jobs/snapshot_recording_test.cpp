@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
-#include <fstream>
 
 #include "core/file_bytes.hpp"
 #include "core/groom/groom_file.hpp"
@@ -16,10 +15,8 @@
 #include "tests/source_folder.hpp"
 #include "traces/input_log.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 constexpr uint32_t kFirst = 30, kEnd = 36;
 constexpr const char* kSetup =
@@ -64,10 +61,7 @@ Scenario RecordedScenario() {
   scenario.base.wind.turbulence = 1.0f;
   for (const PaintBrush& brush : TinyBrushes())
     scenario.base.brush[scenario.base.brush_count++] = brush;
-  const Character& character = scenario.characters[0];
-  const float unit_scale = scenario.grooms[0].unit_scale;
-  scenario.grooms[0] = BakeGroom(character, ComputeRestGeometry(character, unit_scale),
-                                 ReadFurSetup(kSetup, "setup", "."), unit_scale);
+  scenario.grooms[0] = BakeForActor(scenario, ReadFurSetup(kSetup, "setup", "."));
   return scenario;
 }
 
@@ -76,7 +70,6 @@ std::vector<std::byte> RecordOn(Isa isa) {
   Scenario scenario = RecordedScenario();
   RunningScenario running(scenario, OptionsFor(isa));
   FurScene& scene = running.scene();
-  SerialExecutor serial;
   InputLogWriter writer;
   for (uint32_t f = 0; f < kEnd; ++f) {
     FrameInput input = running.Prepare(f, scenario.base.skip, scenario.base.lod);
@@ -88,8 +81,7 @@ std::vector<std::byte> RecordOn(Isa isa) {
       EXPECT_EQ(writer.Begin({.scene = "from frame 30", .note = ""}, grooms, snapshot), nullptr);
       input.dt_s = 0.0;
     }
-    EXPECT_EQ(BeginError(scene, input), "");
-    serial.Run(scene.CurrentFrame());
+    RunInput(scene, input);
     if (f < kFirst) continue;
     EXPECT_EQ(writer.AddFrame(input, {&scene.Pose(0), 1}, scene.DigestFrame()), nullptr);
   }
@@ -99,9 +91,7 @@ std::vector<std::byte> RecordOn(Isa isa) {
 TEST(SnapshotRecording, IsTheSameOnEveryInstructionSet) {
   if (kStrandsPerChunk != 128) GTEST_SKIP() << "it is kept for 128 strands per chunk";
   const std::vector<std::byte> made = RecordOn(BestIsa());
-  if (std::getenv("PELT_RENEW"))
-    std::ofstream(RecordingPath(), std::ios::binary)
-        .write(reinterpret_cast<const char*>(made.data()), std::streamsize(made.size()));
+  if (std::getenv("PELT_RENEW")) WriteFileBytes("recording", RecordingPath(), made).OrThrow();
   EXPECT_TRUE(ReadFileBytes("recording", RecordingPath()).OrThrow() == made)
       << "other bits than recorded, or state is kept otherwise: if it is meant, PELT_RENEW=1";
   for (const Isa isa : kAllIsas)
@@ -121,12 +111,12 @@ TEST(SnapshotRecording, ReplaysOnEveryInstructionSet) {
     ASSERT_EQ(scene->Restore(log.snapshot), nullptr);
     for (uint32_t f = 0; f < log.FrameCount(); ++f) {
       log.FillPose(f, 0, &scene->Pose(0));
-      ASSERT_EQ(BeginError(*scene, log.Input(f)), "");
-      PermutedExecutor(f).Run(scene->CurrentFrame());
+      PermutedExecutor permuted(f);
+      RunInput(*scene, log.Input(f), permuted);
       EXPECT_EQ(scene->DigestFrame(), log.frames[f].digest) << IsaName(isa) << ", frame " << f;
     }
   }
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing
