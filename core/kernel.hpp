@@ -145,27 +145,44 @@ struct Scatter : kernel_detail::PortOf<kRow, Access::kScatter> {
   }
 };
 
+template <class T>
+inline constexpr bool kIsPort = requires {
+  T::kStream;
+};
+
+// Calls visit(port, port, ...). What several kernels' ports begin with may be a struct of its own, their first member.
+template <class Ports, class Visit>
+constexpr decltype(auto) WithPorts(Ports&& ports, Visit&& visit) {
+  return WithMembers(ports, [&]<class First>(First& first, auto&... more) -> decltype(auto) {
+    if constexpr (kIsPort<First>)
+      return visit(first, more...);
+    else
+      return WithPorts(first,
+                       [&](auto&... port) -> decltype(auto) { return visit(port..., more...); });
+  });
+}
+
 // Erases a kernel's types.
 template <class K>
 struct KernelTraits {
   using Ports = typename K::Ports;
-  static_assert(kMemberCount<Ports> > 0 && kMemberCount<Ports> <= kMaxPorts);
-  using Table = typename decltype(WithMembers(
+  using Table = typename decltype(WithPorts(
       std::declval<Ports&>(), []<class P, class... More>(const P&, const More&...) {
         static_assert((std::is_same_v<typename P::Table, typename More::Table> && ...),
                       "ports are of one table");
         return std::type_identity<typename P::Table>{};
       }))::type;
 
-  static constexpr auto kDescs = WithMembers(Ports{}, [](const auto&... port) {
+  static constexpr auto kDescs = WithPorts(Ports{}, [](const auto&... port) {
     return std::array{
         PortDesc{port.kStream, port.kAccess, port.kDomain, port.kBytes,
                  uint32_t(sizeof(typename std::remove_cvref_t<decltype(port)>::Block)),
                  port.kRecordList, port.kRecords}...};
   });
+  static_assert(kDescs.size() <= kMaxPorts);
   static PELT_INLINE Ports Bind(const Binding* bindings) {
     Ports ports;
-    WithMembers(ports, [&](auto&... port) { (port.Bind(*bindings++), ...); });
+    WithPorts(ports, [&](auto&... port) { (port.Bind(*bindings++), ...); });
     return ports;
   }
   static void Run(const void* params, const Binding* bindings) {

@@ -36,6 +36,7 @@
 
 #include "core/chunk.hpp"
 #include "core/kernel.hpp"
+#include "core/layer.hpp"
 #include "core/streams.hpp"
 
 namespace pelt {
@@ -215,12 +216,18 @@ PELT_INLINE void WriteLive(const LodBlock& lod, uint32_t strand_count, const Las
   s.first_new_strand = old < s.live_strands ? old : s.live_strands;
 }
 
+struct ChunkPorts {
+  Shared<&Streams::palette> palette;
+  Shared<&Streams::layers> layer;
+  Shared<&Streams::lod> lod;
+  In<&Streams::strands> strands;
+};
+
 // `awake`: some patch that the chunk's strands follow is simulated.
-template <class Ports>
-PELT_INLINE void RunChunk(const ActivateParams& p, const Ports& ports, bool awake) {
+PELT_INLINE void RunChunk(const ActivateParams& p, const ChunkPorts& ports, ChunkStateBlock& s,
+                          bool awake) {
   const StrandBlock& strands = *ports.strands;
   const LayerBlock& layer = *ports.layer;
-  ChunkStateBlock& s = *ports.state;
   if (!IsSeen(layer, *ports.lod, strands.strand_count)) {
     WriteCulled(s, strands.first_strand);
     return;
@@ -252,15 +259,12 @@ struct Activate {
   static constexpr std::string_view kName = "activate";
   using Params = ActivateParams;
   struct Ports {
-    Shared<&Streams::palette> palette;
-    Shared<&Streams::layers> layer;
-    Shared<&Streams::lod> lod;
-    In<&Streams::strands> strands;
+    activate_detail::ChunkPorts chunk;
     InOut<&Streams::chunk_state> state;
   };
 
   static void Run(const Params& p, const Ports& ports) {
-    activate_detail::RunChunk(p, ports, false);
+    activate_detail::RunChunk(p, ports.chunk, *ports.state, false);
   }
 };
 
@@ -270,10 +274,7 @@ struct ActivateFollowers {
   static constexpr std::string_view kName = "activate_followers";
   using Params = ActivateParams;
   struct Ports {
-    Shared<&Streams::palette> palette;
-    Shared<&Streams::layers> layer;
-    Shared<&Streams::lod> lod;
-    In<&Streams::strands> strands;
+    activate_detail::ChunkPorts chunk;
     In<&Streams::patch_list> list;
     GatherBlocks<&Streams::patch_state, &Streams::patch_list> patches;
     InOut<&Streams::chunk_state> state;
@@ -284,7 +285,7 @@ struct ActivateFollowers {
     bool awake = patch[kListedPatches] != ~0u;  // some are not listed
     for (uint32_t i = 0; i < kListedPatches && patch[i] != ~0u && !awake; ++i)
       awake = (ports.patches[i].flags & kChunkSimulate) != 0;
-    activate_detail::RunChunk(p, ports, awake);
+    activate_detail::RunChunk(p, ports.chunk, *ports.state, awake);
   }
 };
 

@@ -31,6 +31,7 @@
 #include "core/chunk.hpp"
 #include "core/kernels/collider.hpp"
 #include "core/kernels/unrolled.hpp"
+#include "core/layer.hpp"
 #include "core/simd.hpp"
 
 namespace pelt {

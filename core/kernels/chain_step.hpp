@@ -11,7 +11,7 @@
 
 #include "core/kernel.hpp"
 #include "core/kernels/chain.hpp"
-#include "core/kernels/fetch_ahead.hpp"
+#include "core/kernels/prefetch.hpp"
 #include "core/streams.hpp"
 
 namespace pelt::chain {
@@ -97,24 +97,6 @@ struct Step {
   }
 
  private:
-  // Of the groups to come, in quarters.
-  template <class W>
-  struct Ahead {
-    BlockAhead<PointBlock<kPoints>, W::kLanes> position, previous;
-    BlockAhead<RestBlock<kPoints>, W::kLanes> rest;
-
-    PELT_INLINE Ahead(const Ports& ports, uint32_t lane, uint32_t live)
-        : position(ports.position->position, lane, live),
-          previous(ports.previous->position, lane, live),
-          rest(ports.rest->offset, lane, live) {}
-    template <uint32_t kQuarter>
-    PELT_INLINE void Fetch() const {
-      position.template Fetch<kQuarter, 4>();
-      previous.template Fetch<kQuarter, 4>();
-      rest.template Fetch<kQuarter, 4>();
-    }
-  };
-
   template <class W>
   PELT_INLINE static bool SolveGroup(const SimulateParams& params, const Ports& ports,
                                      uint32_t lane, uint32_t live, bool follows) {
@@ -122,19 +104,20 @@ struct Step {
     const ChunkStateBlock& state = *ports.state;
     const auto lanes = W::Int::Iota(int32_t(lane));
     const auto alive = lanes < typename W::Int(int32_t(live));
-    const Ahead<W> ahead(ports, lane, live);
-    ahead.template Fetch<0>();
+    const auto ahead = PrefetchInPieces<W::kLanes, 4>(
+        lane, live, AllRows(*ports.position), AllRows(*ports.previous), AllRows(*ports.rest));
+    ahead(Piece<0>());
     Group<W, kFree> g;
     LoadGroom<W, kPoints>(*ports.rest, *ports.roots, layer.motion_follow, layer.scale, lane, g);
     if ((state.flags & kChunkRestart) || !(layer.flags & kLayerSimulate))
       return Any(PlaceOnGroom<W, kPoints>(lane, g, *ports.position, *ports.previous) & alive);
 
-    ahead.template Fetch<1>();
+    ahead(Piece<1>());
     const float dt2 = params.dt * params.dt;
     Vec3<W> fall = Splat3<W>(layer.gravity) * W(dt2);
     if (layer.flags & kLayerWind) fall = fall + Load3<W>(ports.wind->acceleration, lane) * W(dt2);
-    Predict<W, kPoints>(*ports.position, *ports.previous, layer.velocity_keep, fall, lane, g);
-    ahead.template Fetch<2>();
+    Predict<W, kPoints>(*ports.position, *ports.previous, layer.link.velocity_keep, fall, lane, g);
+    ahead(Piece<2>());
     Colliders<W> colliders;
     LoadColliders(params, g, colliders);
     Bounces<W, kFree> bounces;
@@ -153,7 +136,7 @@ struct Step {
       }
     Solver::Iterate(layer, colliders, !kVertexChains && follows, clump_pull, g);
 
-    ahead.template Fetch<3>();
+    ahead(Piece<3>());
     const uint32_t first_new = kVertexChains ? state.first_new_chain : state.first_new_strand;
     const auto fresh = !(lanes < typename W::Int(int32_t(first_new)));
     return Any(Finish<W, kPoints>(*ports.rest, params, layer.bounce, bounces, colliders, fresh,

@@ -14,7 +14,7 @@
 
 #include "core/kernel.hpp"
 #include "core/kernels/chain.hpp"
-#include "core/kernels/fetch_ahead.hpp"
+#include "core/kernels/prefetch.hpp"
 #include "core/kernels/strand_look.hpp"
 #include "core/streams.hpp"
 
@@ -65,23 +65,14 @@ struct FitCubic {
   static constexpr std::string_view kName =
       ByPoints<kPoints>("fit_cubic_4", "fit_cubic_5", "fit_cubic_9");
   static constexpr uint32_t kFree = kPoints - 1;
-  struct Ports {
-    Shared<&Streams::layers> layer;
-    In<&Streams::chunk_state> state;
-    In<&Streams::strands> strands;
-    In<&Streams::roots> roots;
-    In<ChainStreams<kPoints, false>::kPosition> points;
-    Out<&Streams::curves> curves;
-  };
+  using Ports = look::FitPorts<kPoints, &Streams::curves>;
 
   static void Run(const Ports& ports) {
     const uint32_t end = RoundUpToLaneGroups(ports.state->live_strands);
-    for (uint32_t lane = 0; lane < end; lane += V::kLanes) {
-      look::FetchAhead<V::kLanes>(*ports.strands, lane, end);
-      FetchRecordsAhead<CurveBlock, V::kLanes, sizeof(CurveRecord)>(ports.curves->record, lane,
-                                                                    end);
-      FitGroup(ports, lane);
-    }
+    ForEachPrefetched<V::kLanes>(
+        0, end, [&](uint32_t lane) __attribute__((always_inline)) { FitGroup(ports, lane); },
+        look::RowsOfLook(*ports.strands),
+        RecordsFrom<sizeof(CurveRecord)>(*ports.written, ports.written->record));
   }
 
  private:
@@ -97,7 +88,7 @@ struct FitCubic {
       }
     }
     const auto look = look::Look<V>(*ports.layer, *ports.state, *ports.strands, lane);
-    CurveRecord* record = ports.curves->record + lane;
+    CurveRecord* record = ports.written->record + lane;
     const auto quarter = [record](int q) {
       return [record, q](int l) { return reinterpret_cast<float*>(record + l) + 4 * q; };
     };

@@ -7,7 +7,7 @@
 
 #include "core/kernel.hpp"
 #include "core/kernels/chain.hpp"
-#include "core/kernels/fetch_ahead.hpp"
+#include "core/kernels/prefetch.hpp"
 #include "core/kernels/strand_look.hpp"
 #include "core/streams.hpp"
 
@@ -18,23 +18,14 @@ struct FitRibbon {
   static constexpr std::string_view kName =
       ByPoints<kPoints>("fit_ribbon_4", "fit_ribbon_5", "fit_ribbon_9");
   static constexpr uint32_t kFree = kPoints - 1;
-  struct Ports {
-    Shared<&Streams::layers> layer;
-    In<&Streams::chunk_state> state;
-    In<&Streams::strands> strands;
-    In<&Streams::roots> roots;
-    In<ChainStreams<kPoints, false>::kPosition> points;
-    Out<&Streams::ribbons> ribbons;
-  };
+  using Ports = look::FitPorts<kPoints, &Streams::ribbons>;
 
   static void Run(const Ports& ports) {
     const uint32_t end = RoundUpToLaneGroups(ports.state->live_strands);
-    for (uint32_t lane = 0; lane < end; lane += V::kLanes) {
-      look::FetchAhead<V::kLanes>(*ports.strands, lane, end);
-      FetchRecordsAhead<RibbonBlock, V::kLanes, sizeof(RibbonRecord)>(ports.ribbons->record, lane,
-                                                                      end);
-      FitGroup(ports, lane);
-    }
+    ForEachPrefetched<V::kLanes>(
+        0, end, [&](uint32_t lane) __attribute__((always_inline)) { FitGroup(ports, lane); },
+        look::RowsOfLook(*ports.strands),
+        RecordsFrom<sizeof(RibbonRecord)>(*ports.written, ports.written->record));
   }
 
  private:
@@ -65,7 +56,7 @@ struct FitRibbon {
     p[kRibbonPoints - 1] = Load3<V>(ports.points->position[kFree - 1], lane);
 
     const auto look = look::Look<V>(*ports.layer, *ports.state, *ports.strands, lane);
-    RibbonRecord* record = ports.ribbons->record + lane;
+    RibbonRecord* record = ports.written->record + lane;
     const auto part = [record](int q) {
       return [record, q](int l) { return reinterpret_cast<float*>(record + l) + 4 * q; };
     };

@@ -2,7 +2,7 @@
 // else about scheduling is derived from it (jobs/plan.hpp).
 //
 // The table is compiled once for each set, in its own translation unit with its own flags
-// (frame_table.cpp); nothing but these rows crosses from one to another.
+// (frame_table.cpp); nothing but these entries crosses from one to another.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ namespace pelt {
 
 struct FrameParams;
 
-struct FrameRow {
+struct FrameEntry {
   KernelDesc kernel;
   const void* (*params)(const FrameParams&);  // the kernel's own; null: it has none
   Domain domain;
@@ -29,7 +29,7 @@ struct FrameRow {
 };
 
 struct FrameTable {
-  std::span<const FrameRow> rows;
+  std::span<const FrameEntry> entries;
   // Null when there is none of this name.
   const KernelDesc* Find(std::string_view kernel) const;
 };

@@ -24,7 +24,7 @@
 
 #include "core/kernel.hpp"
 #include "core/kernels/chain.hpp"
-#include "core/kernels/fetch_ahead.hpp"
+#include "core/kernels/prefetch.hpp"
 #include "core/kernels/vertex_records.hpp"
 #include "core/streams.hpp"
 
@@ -60,16 +60,10 @@ struct Interpolate {
   // overlap the waits of several groups with the gathers of others.
   PELT_INLINE static void WriteRange(const Ports& ports, uint32_t begin, uint32_t end,
                                      bool follows) {
-    for (uint32_t lane = begin; lane < end; lane += V::kLanes) {
-      FetchAhead(ports, lane, end);
-      BlendGroup(ports, lane);
-    }
+    ForEachPrefetched<V::kLanes>(
+        begin, end, [&](uint32_t lane) __attribute__((always_inline)) { BlendGroup(ports, lane); },
+        AllRows(*ports.strand_rest), AllRows(*ports.points));
     for (uint32_t lane = begin; lane < end; lane += V::kLanes) FinishGroup(ports, lane, follows);
-  }
-
-  PELT_INLINE static void FetchAhead(const Ports& ports, uint32_t lane, uint32_t end) {
-    BlockAhead<RestBlock<4>, V::kLanes>(ports.strand_rest->offset, lane, end).Fetch();
-    BlockAhead<PointBlock<4>, V::kLanes>(ports.points->position, lane, end).Fetch();
   }
 
   // Offsets from the root, lengths as they come.

@@ -23,10 +23,10 @@
 #include <string_view>
 
 #include "core/kernel.hpp"
-#include "core/kernels/fetch_ahead.hpp"
 #include "core/kernels/lane_list.hpp"
 #include "core/kernels/modal_contact.hpp"
 #include "core/kernels/modal_load.hpp"
+#include "core/kernels/prefetch.hpp"
 #include "core/kernels/vertex_records.hpp"
 #include "core/streams.hpp"
 
@@ -82,14 +82,14 @@ struct InterpolateModal {
   PELT_INLINE static void WriteGroup(const Params& params, const Ports& ports,
                                      const modal::BarePivots& bare, uint32_t lane, uint32_t end,
                                      bool follows, Inside& inside) {
-    const BlockAhead<RestBlock<N + 1>, V::kLanes> rest_ahead(ports.rest->offset, lane, end);
-    const BlockAhead<PointBlock<N + 1>, V::kLanes> points_ahead(ports.points->position, lane, end);
+    const auto ahead =
+        PrefetchInPieces<V::kLanes, 4>(lane, end, AllRows(*ports.rest), AllRows(*ports.points));
     const LayerBlock& layer = *ports.layer;
     const StrandBlock& strands = *ports.strands;
     chain::Group<V, N> g;
-    rest_ahead.template Fetch<0, 2>();
+    ahead(Piece<0>());
     chain::LoadGroom<V, N + 1>(*ports.rest, *ports.roots, 0.0f, layer.scale, lane, g);
-    rest_ahead.template Fetch<1, 2>();
+    ahead(Piece<1>());
     const V per_length = V(1.0f) / g.length;
     Vec3<V> rest[N], load[N], d[N];
     V bary[3], stretch[N];
@@ -100,12 +100,12 @@ struct InterpolateModal {
     PELT_UNROLL
     for (uint32_t i = 0; i < N; ++i) load[i] = blend.Row(i);
     modal::BendUnderLoad(*ports.table, bare, rest, load, blend.w, stretch, d);
-    points_ahead.template Fetch<0, 2>();
+    ahead(Piece<2>());
     modal::DrawCurve(*ports.table, d, rest, g);
     const V strength = V::Load(ports.rest->strength + lane);
     const typename V::Mask full = strength >= V(1.0f);
     if (!AllSet(full)) modal::Weaken(full, strength, g);
-    points_ahead.template Fetch<1, 2>();
+    ahead(Piece<3>());
     if (follows) {
       const auto controls = chain::ControlsOf<V>(strands.control, strands.control_count, lane);
       Vec3<V> control[N];

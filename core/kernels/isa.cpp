@@ -37,18 +37,18 @@ Isa BestIsa() {
 }
 
 const KernelDesc* FrameTable::Find(std::string_view kernel) const {
-  for (const FrameRow& row : rows)
-    if (row.kernel.name == kernel) return &row.kernel;
+  for (const FrameEntry& entry : entries)
+    if (entry.kernel.name == kernel) return &entry.kernel;
   return nullptr;
 }
 
 std::vector<Stage> MakeStages(const FrameTable& table, const FrameParams& params,
                               VertexOrder order) {
   std::vector<Stage> stages;
-  for (const FrameRow& row : table.rows) {
-    if (row.vertices && row.vertices != order) continue;
-    stages.push_back(
-        {row.kernel, row.params ? row.params(params) : nullptr, row.domain, row.gate, row.kinds});
+  for (const FrameEntry& entry : table.entries) {
+    if (entry.vertices && entry.vertices != order) continue;
+    stages.push_back({entry.kernel, entry.params ? entry.params(params) : nullptr, entry.domain,
+                      entry.gate, entry.kinds});
   }
   return stages;
 }

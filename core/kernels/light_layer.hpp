@@ -18,8 +18,8 @@
 
 #include <string_view>
 
-#include "core/chunk.hpp"
 #include "core/kernel.hpp"
+#include "core/layer.hpp"
 #include "core/streams.hpp"
 #include "core/surroundings.hpp"
 

@@ -210,7 +210,7 @@ PELT_INLINE Walls<W, kParts> DrawnWalls(const LayerBlock& layer, const SimulateP
                                         const chain::Group<W, kParts>& g) {
   Walls<W, kParts> walls(layer, params, g);
   walls.max_distance = 0.0f;
-  walls.hardness = layer.drawn_hardness;
+  walls.hardness = layer.modal.drawn_hardness;
   return walls;
 }
 

@@ -101,8 +101,8 @@ struct FrameStart {
   // What a strand feels of its root's motion. `unit`: the units of `motion` in a metre.
   static PELT_INLINE Vec3<W> Felt(const LayerBlock& layer, Vec3<W> motion, W unit) {
     if (layer.motion_follow > 0.0f) motion = motion * W(1.0f - layer.motion_follow);
-    if (layer.fastest_felt > 0.0f) {
-      const W most = unit * W(layer.fastest_felt);
+    if (layer.modal.fastest_felt > 0.0f) {
+      const W most = unit * W(layer.modal.fastest_felt);
       const W most2 = most * most;
       const W far2 = Max(Dot(motion, motion), most2);
       motion = motion * Min(most * Rsqrt(far2), W(1.0f));
@@ -136,7 +136,7 @@ struct FrameStart {
     const Vec3<W> normal = Load3<W>(ports.roots->normal, at);
     const Vec3<W> tangent = Load3<W>(ports.roots->tangent, at);
     const Vec3<W> bitangent = Cross(normal, tangent), local = Load3<W>(down.down, at);
-    const W gravity = per_length * W(ports.layer->rest_gravity);
+    const W gravity = per_length * W(ports.layer->modal.rest_gravity);
     const Vec3<W> pull = chain::Turn(tangent, bitangent, normal, local) * gravity;
     for (uint32_t i = 0; i < N; ++i) {
       const W stretch = Max(Dot(pull, rest[i]), W(0.0f));
@@ -203,8 +203,8 @@ struct FrameStart {
     Vec3<W> move = Load3<W>(rates.velocity, at) * scale;
     move = Felt(layer, move, per_length);
     Vec3<W> turn = Load3<W>(rates.spin, at) * frame;
-    if (layer.turn_follow > 0.0f) turn = turn * W(1.0f - layer.turn_follow);
-    const bool other = HasOtherHistory(layer);
+    if (layer.modal.turn_follow > 0.0f) turn = turn * W(1.0f - layer.modal.turn_follow);
+    const bool other = HasRootHistory(layer.modal);
     Vec3<W> rest_step[N], hold_step[N];
     for (uint32_t i = 0; i < N; ++i) rest_step[i] = Cross(turn, rest[i]);
     if (hold)

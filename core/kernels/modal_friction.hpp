@@ -18,7 +18,7 @@
 // Invariants: as modal_touch.hpp's; surface and max_distance rub nothing.
 #pragma once
 
-#include "core/kernels/modal_lever.hpp"
+#include "core/kernels/contact_schur.hpp"
 #include "core/kernels/modal_obstacle.hpp"
 
 namespace pelt::modal {

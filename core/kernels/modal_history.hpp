@@ -24,8 +24,8 @@
 
 namespace pelt::modal {
 
-PELT_INLINE bool HasOtherHistory(const LayerBlock& layer) {
-  return layer.turn_follow > 0.0f || (layer.shrink != 1.0f && layer.shrink != 0.0f);
+PELT_INLINE bool HasRootHistory(const ModalTerms& terms) {
+  return terms.turn_follow > 0.0f || (terms.shrink != 1.0f && terms.shrink != 0.0f);
 }
 
 template <class W>
@@ -72,7 +72,7 @@ PELT_INLINE Quaternion<W> TurnOfRoot(Vec3<W> from, Vec3<W> to, Vec3<W> rest_from
 
 // Of lanes `at`.
 template <class W, uint32_t kPoints, class Ports, class At>
-struct OtherHistory {
+struct RootHistory {
   static constexpr uint32_t N = NodesOf(kPoints);
   using Motion = modal::Motion<W, N>;
   using Mask = typename W::Mask;
@@ -123,10 +123,10 @@ struct OtherHistory {
     const Mask turned = moved > W(0.0f);
     const Quaternion<W> whole =
         TurnOfRoot(last_normal, normal, {last_rest[0], last_rest[1], last_rest[2]}, rest);
-    const W share = Select(turned, W(layer.turn_follow), W(0.0f));
+    const W share = Select(turned, W(layer.modal.turn_follow), W(0.0f));
     const W w = W(1.0f) + (whole.w - W(1.0f)) * share;
     past.turn = UnitQuaternion(w, whole.v * share);
-    past.shrink = W(layer.shrink == 0.0f ? 1.0f : layer.shrink);
+    past.shrink = W(layer.modal.shrink == 0.0f ? 1.0f : layer.modal.shrink);
     past.other = turned | (past.shrink < W(1.0f)) | (past.shrink > W(1.0f));
     past.step = Load3<W>(old.root_step, at);
     past.curve = Load3<W>(old.root_turn, at);

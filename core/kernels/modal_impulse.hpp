@@ -1,7 +1,7 @@
 // Impulses on points of a strand while its tangents keep their length: what a contact does to speeds.
 #pragma once
 
-#include "core/kernels/modal_lever.hpp"
+#include "core/kernels/contact_schur.hpp"
 #include "core/kernels/modal_motion.hpp"
 
 namespace pelt::modal {

@@ -83,6 +83,18 @@ PELT_INLINE void CopyStep(const Motion<W, N>& from, Motion<W, N>& to) {
   }
 }
 
+// Takes those lanes of what a frame changes.
+template <class W, uint32_t N>
+PELT_INLINE void TakeLanes(typename W::Mask lanes, const Motion<W, N>& from, Motion<W, N>& to) {
+  for (uint32_t i = 0; i < N; ++i) {
+    for (uint32_t k = 0; k < 3; ++k) {
+      to.axis[k].d[i] = Select(lanes, from.axis[k].d[i], to.axis[k].d[i]);
+      to.axis[k].z[i] = Select(lanes, from.axis[k].z[i], to.axis[k].z[i]);
+    }
+    to.lambda[i] = Select(lanes, from.lambda[i], to.lambda[i]);
+  }
+}
+
 // Row `weights` of a matrix times a column.
 template <class W, uint32_t N>
 PELT_INLINE W Weigh(const float (&weights)[kMaxNodes], const W (&v)[N]) {

@@ -222,7 +222,7 @@ struct Surroundings {
     hardness = layer.surface_hardness;
     plane_bounce = layer.bounce;
     max_distance = layer.max_distance;
-    friction = layer.friction;
+    friction = layer.modal.friction;
     surface = end_surface = g.normal;
     turn = g.normal - last_surface;
     per_length = W(1.0f) / g.length;
@@ -364,6 +364,23 @@ struct Surroundings {
     }
     PlaceVectors(t, r, base, groom);
     PlaceVectors(t, speed, still, groom_speed);
+  }
+};
+
+// What a group's chains may meet in a frame.
+template <class W, uint32_t N, uint32_t Q>
+struct Meeting {
+  bool use = false;  // false: there is nothing to meet, nothing below is set but `around.time`
+  Surroundings<W, N, Q> around;
+  W slow;  // parts/s, below which nothing bounces, or a resting strand would never rest
+
+  template <uint32_t kParts>
+  PELT_INLINE void Load(const ModalTableBlock& t, const LayerBlock& layer,
+                        const SimulateParams& params, Vec3<W> last_surface,
+                        const Vec3<W> (&rest)[N], const chain::Group<W, kParts>& g) {
+    use = true;
+    around.Load(t, layer, params, last_surface, rest, g);
+    slow = W(chain::SlowContact(layer, params.dt) * t.euler_speed) * around.per_length;
   }
 };
 

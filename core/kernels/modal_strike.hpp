@@ -98,22 +98,17 @@ struct NoTouches {
 };
 
 template <class W, uint32_t N, uint32_t Q>
-struct Strikes {
+struct Strikes : Meeting<W, N, Q> {
+  using Meeting<W, N, Q>::use, Meeting<W, N, Q>::around, Meeting<W, N, Q>::slow;
   using Mask = typename W::Mask;
-
-  bool use = false;  // false: there is nothing to meet, and nothing below is set but the time
-  Surroundings<W, N, Q> around;
-  W slow;  // parts/s, below which nothing bounces
 
   template <uint32_t kParts>
   PELT_INLINE void Load(const ModalTableBlock& t, const LayerBlock& layer,
                         const SimulateParams& params, Vec3<W> last_surface,
                         const Vec3<W> (&rest)[N], const chain::Group<W, kParts>& g) {
-    use = true;
-    around.Load(t, layer, params, last_surface, rest, g);
+    Meeting<W, N, Q>::Load(t, layer, params, last_surface, rest, g);
     // Not less what roots lie in at the frame's end: a ball may have gone over them.
     chain::LoadColliders(params, g, around.colliders);
-    slow = W(chain::SlowContact(layer, params.dt) * t.euler_speed) * around.per_length;
   }
 
   // Steps the frame. Returns the lanes that something fast strikes; `fastest`: how fast a link

@@ -36,18 +36,10 @@ namespace pelt::modal {
 
 // Which lanes end a substep inside something. What such a lane does from there on is of no use.
 template <class W, uint32_t N, uint32_t Q>
-struct TouchNotes {
+struct TouchNotes : Meeting<W, N, Q> {
+  using Meeting<W, N, Q>::use, Meeting<W, N, Q>::around;
   typename W::Mask inside = W(1.0f) < W(0.0f);
-  bool use = false;  // false: nothing below is set
-  Surroundings<W, N, Q> around;
 
-  template <uint32_t kParts>
-  PELT_INLINE void Load(const ModalTableBlock& t, const LayerBlock& layer,
-                        const SimulateParams& params, Vec3<W> last_surface,
-                        const Vec3<W> (&rest)[N], const chain::Group<W, kParts>& g) {
-    use = true;
-    around.Load(t, layer, params, last_surface, rest, g);
-  }
   template <bool kBest>
   PELT_INLINE bool Resolve(const ModalTableBlock& t, uint32_t substep, const Motion<W, N>& motion) {
     if (!use) return false;
@@ -71,12 +63,9 @@ struct NoFriction {};
 // What a group's chains can touch this frame, and what they touched in the present substep. kMayRub: on colliders,
 // if the layer has friction.
 template <class W, uint32_t N, uint32_t Q, bool kMayRub>
-struct Touches {
+struct Touches : Meeting<W, N, Q> {
+  using Meeting<W, N, Q>::use, Meeting<W, N, Q>::around, Meeting<W, N, Q>::slow;
   using Mask = typename W::Mask;
-
-  bool use = false;  // false: nothing below is set
-  Surroundings<W, N, Q> around;
-  W slow;
 
   bool any = false;
   Vec3<W> normal[Q];  // of points that were pushed; else 0
@@ -86,16 +75,6 @@ struct Touches {
       friction;            // only where the layer has it
   W overlap[Q];            // what the first substep left inside, parts
   PushedPlaces<Q> places;  // at which some lane found an obstacle
-
-  // `slow`: parts/s, below which nothing bounces, or a resting strand would never rest.
-  template <uint32_t kParts>
-  PELT_INLINE void Load(const ModalTableBlock& t, const LayerBlock& layer,
-                        const SimulateParams& params, Vec3<W> last_surface,
-                        const Vec3<W> (&rest)[N], const chain::Group<W, kParts>& g) {
-    use = true;
-    around.Load(t, layer, params, last_surface, rest, g);
-    slow = W(chain::SlowContact(layer, params.dt) * t.euler_speed) * around.per_length;
-  }
 
   // Pushes what is inside out, from motion's y; true where some lane's y, p, w, z or lambda
   // changed.

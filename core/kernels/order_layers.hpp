@@ -9,9 +9,9 @@
 // vertices.
 #pragma once
 
-#include "core/chunk.hpp"
 #include "core/kernel.hpp"
 #include "core/kernels/sort_key.hpp"
+#include "core/layer.hpp"
 #include "core/streams.hpp"
 
 namespace pelt {
@@ -23,15 +23,19 @@ struct OrderLayersParams {
 
 inline constexpr uint32_t kNoLayer = 0xffffffffu;
 
+struct OrderedPorts {
+  All<&Streams::layers> layers;
+  All<&Streams::bounds> bounds;
+  All<&Streams::lod> lod;
+  All<&Streams::layer_sort> sort;
+};
+
 template <class V>
 struct OrderLayers {
   static constexpr std::string_view kName = "order_layers";
   using Params = OrderLayersParams;
   struct Ports {
-    All<&Streams::layers> layers;
-    All<&Streams::bounds> bounds;
-    All<&Streams::lod> lod;
-    All<&Streams::layer_sort> sort;
+    OrderedPorts ordered;
     Out<&Streams::draw_list> list;
   };
 
@@ -64,12 +68,13 @@ struct OrderLayers {
   }
 
   static void Run(const Params& p, const Ports& ports) {
-    RunFrom(p, ports, [&](uint32_t) -> const float(&)[3] { return p.eye; });
+    RunFrom(p, ports.ordered, *ports.list, [&](uint32_t) -> const float(&)[3] { return p.eye; });
   }
 
   // eye_of(layer): where the eye is, relative to the same origin as the layer's bounds.
   template <class EyeOf>
-  static PELT_INLINE void RunFrom(const Params& p, const auto& ports, const EyeOf& eye_of) {
+  static PELT_INLINE void RunFrom(const Params& p, const OrderedPorts& ports, DrawListBlock& list,
+                                  const EyeOf& eye_of) {
     Entry a[kLayersPerScene], b[kLayersPerScene];
     uint32_t count = 0;
     for (uint32_t l = 0; l < ports.layers.count && l < kLayersPerScene; ++l)
@@ -89,8 +94,8 @@ struct OrderLayers {
       to = swapped;
     }
     for (uint32_t i = 0; i < kLayersPerScene; ++i)
-      ports.list->layer[i] = i < count ? from[i].layer : kNoLayer;
-    ports.list->count = count;
+      list.layer[i] = i < count ? from[i].layer : kNoLayer;
+    list.count = count;
   }
 };
 
@@ -100,16 +105,13 @@ struct OrderLayersApart {
   static constexpr std::string_view kName = "order_layers_apart";
   using Params = OrderLayersParams;
   struct Ports {
-    All<&Streams::layers> layers;
-    All<&Streams::bounds> bounds;
-    All<&Streams::lod> lod;
-    All<&Streams::layer_sort> sort;
+    OrderedPorts ordered;
     All<&Streams::layer_origins> origins;
     Out<&Streams::draw_list> list;
   };
 
   static void Run(const Params& p, const Ports& ports) {
-    OrderLayers<V>::RunFrom(p, ports,
+    OrderLayers<V>::RunFrom(p, ports.ordered, *ports.list,
                             [&](uint32_t l) -> const float(&)[3] { return ports.origins[l].eye; });
   }
 };

@@ -6,7 +6,7 @@
 
 #include "core/chunk.hpp"
 #include "core/kernel.hpp"
-#include "core/kernels/fetch_ahead.hpp"
+#include "core/kernels/prefetch.hpp"
 #include "core/kernels/skin.hpp"
 #include "core/streams.hpp"
 
@@ -44,10 +44,17 @@ struct Roots {
 
   static void Run(const Ports& ports) {
     const uint32_t lanes = RoundUpToLaneGroups(ports.state->live_strands);
-    for (uint32_t s = 0; s < lanes; s += V::kLanes) {
-      FetchAhead(ports, s, lanes);
-      BlendStrands(*ports.strands, ports.skinned, s, *ports.roots);
-    }
+    const StrandBlock& strands = *ports.strands;
+    // The rows of bytes, and what the block has behind them.
+    constexpr uint32_t kBytes =
+        (sizeof(StrandBlock) - offsetof(StrandBlock, vertex)) / kStrandsPerChunk;
+    ForEachPrefetched<V::kLanes>(
+        0, lanes,
+        [&](uint32_t s) __attribute__((always_inline)) {
+          BlendStrands(strands, ports.skinned, s, *ports.roots);
+        },
+        RowsFrom<3, 2>(strands, strands.bary), AllRows<2>(*ports.roots),
+        NextChunkFrom<kBytes>(strands, strands.vertex));
     // A loop of its own: making a frame unit is a chain of some 200 cycles, and only short loop
     // bodies let the machine overlap the chains of several groups.
     for (uint32_t s = 0; s < lanes; s += V::kLanes) FinishFrames(s, *ports.roots);
@@ -55,16 +62,6 @@ struct Roots {
 
  private:
   using Vertices = Gather<&Streams::skinned, &Streams::halo>;
-
-  static PELT_INLINE void FetchAhead(const Ports& ports, uint32_t s, uint32_t end) {
-    constexpr uint32_t kRow = kStrandsPerChunk * sizeof(float);
-    RowsAhead<StrandBlock, V::kLanes, 3, kRow, 2>(ports.strands->bary, s, end).Fetch();
-    BlockAhead<RootBlock, V::kLanes, 2>(ports.roots->position, s, end).Fetch();
-    // The rows of bytes, and what the block has behind them.
-    constexpr uint32_t kBytes =
-        (sizeof(StrandBlock) - offsetof(StrandBlock, vertex)) / kStrandsPerChunk;
-    FetchRecordsAhead<StrandBlock, V::kLanes, kBytes, 0>(ports.strands->vertex, s, 0);
-  }
 
   // The four records of a vertex, for the strands of lanes k, k + 4, ...
   struct VertexRecords {

@@ -35,6 +35,7 @@
 #include "core/chunk.hpp"
 #include "core/kernel.hpp"
 #include "core/kernels/select_shells.hpp"
+#include "core/layer.hpp"
 #include "core/streams.hpp"
 #include "core/view.hpp"
 

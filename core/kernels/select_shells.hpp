@@ -14,8 +14,8 @@
 #include <string_view>
 
 #include "core/box_distance.hpp"
-#include "core/chunk.hpp"
 #include "core/kernel.hpp"
+#include "core/layer.hpp"
 #include "core/streams.hpp"
 
 namespace pelt {

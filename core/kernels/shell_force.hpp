@@ -23,6 +23,7 @@
 #include "core/kernel.hpp"
 #include "core/kernels/strand_look.hpp"
 #include "core/kernels/write_looks.hpp"
+#include "core/layer.hpp"
 #include "core/streams.hpp"
 
 namespace pelt {
@@ -99,7 +100,7 @@ struct ShellForce {
     pull.published = shells.cone_kind == uint32_t(ConeKind::kPublished);
     pull.cosine = cosine;
     pull.sine = Sqrt(Max(one - squared, V(0.0f)));
-    pull.compliance = V((1.0f - layer.stiffness) / shell_force_detail::kStandardGravity);
+    pull.compliance = V((1.0f - layer.link.stiffness) / shell_force_detail::kStandardGravity);
     pull.gravity = {V(layer.gravity[0]), V(layer.gravity[1]), V(layer.gravity[2])};
     return pull;
   }

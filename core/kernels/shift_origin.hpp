@@ -13,6 +13,7 @@
 
 #include "core/chunk.hpp"
 #include "core/kernel.hpp"
+#include "core/layer.hpp"
 #include "core/streams.hpp"
 
 namespace pelt {

@@ -26,7 +26,6 @@
 #include <type_traits>
 
 #include "core/kernels/chain_step.hpp"
-#include "core/kernels/fetch_ahead.hpp"
 #include "core/kernels/lane_list.hpp"
 #include "core/kernels/modal_contact.hpp"
 #include "core/kernels/modal_frame.hpp"
@@ -112,9 +111,9 @@ struct SimulateModal {
   };
 
   // One group after the other: two at once, as the other solvers have them (chain_step.hpp), fit
-  // only the registers of machines with many. Groups without a live lane are left out: chunks of mesh vertices are so short
-  // that they are a tenth of all groups of eight in `monster`.
-  // Each lot is out of line, so that their frames are not on the stack together.
+  // only the registers of machines with many. Groups without a live lane are left out: chunks of mesh vertices are so
+  // short that they are a tenth of all groups of eight in `monster`. Each lot is out of line, so that their frames are
+  // not on the stack together.
   PELT_INLINE static bool RunRange(const Params& params, const Ports& ports, const Extras& extras,
                                    uint32_t begin, uint32_t end, uint32_t live, bool follows,
                                    Picks& picks) {
@@ -155,16 +154,6 @@ struct SimulateModal {
         changed |= RunGroup<kLot>(params, ports, extras, picks.of[kind].Group(i, group), live,
                                   follows, static_cast<Picks*>(nullptr));
     return changed;
-  }
-
-  static PELT_INLINE void TakeLanes(Mask lanes, const Motion& from, Motion& to) {
-    for (uint32_t i = 0; i < N; ++i) {
-      for (uint32_t k = 0; k < 3; ++k) {
-        to.axis[k].d[i] = Select(lanes, from.axis[k].d[i], to.axis[k].d[i]);
-        to.axis[k].z[i] = Select(lanes, from.axis[k].z[i], to.axis[k].z[i]);
-      }
-      to.lambda[i] = Select(lanes, from.lambda[i], to.lambda[i]);
-    }
   }
 
   // Lanes that failed: once more with a second Newton step, if they follow, then without one that
@@ -220,8 +209,8 @@ struct SimulateModal {
         motion.axis[k].z[i] = LoadLanes<V>(old.velocity[i][k], at);
       }
     }
-    if (modal::HasOtherHistory(*ports.layer))
-      modal::OtherHistory<V, kPoints, Ports, At>::TakeStart(ports, at, rest[0], motion);
+    if (modal::HasRootHistory(ports.layer->modal))
+      modal::RootHistory<V, kPoints, Ports, At>::TakeStart(ports, at, rest[0], motion);
   }
 
   // A frame of lanes that may touch things. Returns whom something pushed at its end. `left`: how
@@ -261,7 +250,7 @@ struct SimulateModal {
     TouchNotes notes;
     if (HasObstacles(params, ports)) {
       LoadTouches(params, ports, first, rest, g, notes);
-      if (ports.layer->friction > 0.0f) rubs = notes.around.colliders.any;
+      if (ports.layer->modal.friction > 0.0f) rubs = notes.around.colliders.any;
     }
     const Mask follows = modal::FollowsWeight<V, N>(t, ports.layer->gravity, per_length);
     if (!Any(follows)) return !follows;
@@ -292,34 +281,6 @@ struct SimulateModal {
     return taken;
   }
 
-  static PELT_INLINE const void* PointRows(const Ports& ports) {
-    if constexpr (modal::kHasPoints<Ports>)
-      return ports.position->position;
-    else
-      return ports.rest->offset;  // not fetched again
-  }
-
-  // Of the groups to come, in eighths: the state, the groom, the points. What lanes need that were
-  // picked is in the cache already.
-  template <bool kFetches>
-  struct Ahead {
-    BlockAhead<ModalStateBlock<NodesOf(kPoints)>, V::kLanes, 1, kModalRow * sizeof(float)> state;
-    BlockAhead<RestBlock<kPoints>, V::kLanes> rest;
-    BlockAhead<PointBlock<kPoints>, V::kLanes> points;
-
-    PELT_INLINE Ahead(const Ports& ports, uint32_t lane, uint32_t live)
-        : state(ports.chain->direction, lane, live),
-          rest(ports.rest->offset, lane, live),
-          points(PointRows(ports), lane, live) {}
-    template <uint32_t kEighth>
-    PELT_INLINE void Fetch() const {
-      if constexpr (!kFetches) return;
-      state.template Fetch<kEighth, 8>();
-      rest.template Fetch<kEighth, 8>();
-      if constexpr (modal::kHasPoints<Ports>) points.template Fetch<kEighth, 8>();
-    }
-  };
-
   // With `picks`, lanes as if they were free: those that are not are picked and keep their state.
   // Without, lanes that were picked. Says whether a bit of a live one changed.
   template <Lot kLot, class At>
@@ -340,25 +301,23 @@ struct SimulateModal {
     Motion motion;
     Vec3<V> rest[N], d[N], held[N];
     V per_length;
-    uint32_t first = 0;
-    if constexpr (kPicks) first = at;
-    const Ahead<kPicks> ahead(ports, first, live);
-    ahead.template Fetch<0>();
+    const auto ahead = modal::PrefetchPorts<V::kLanes>(ports, at, live);
+    ahead(Piece<0>());
     Start::LoadRest(ports, at, g, rest, per_length);
-    ahead.template Fetch<1>();
+    ahead(Piece<1>());
     const Vec3<V>* hold = nullptr;
     if (extras.down) {
       Start::LoadHold(ports, *extras.down, at, rest, per_length, held);
       hold = held;
     }
     Start::LoadAxis(ports, at, 0, g, rest, hold, per_length, motion.axis[0]);
-    ahead.template Fetch<2>();
+    ahead(Piece<2>());
     Start::LoadAxis(ports, at, 1, g, rest, hold, per_length, motion.axis[1]);
-    ahead.template Fetch<3>();
+    ahead(Piece<3>());
     Start::LoadAxis(ports, at, 2, g, rest, hold, per_length, motion.axis[2]);
-    ahead.template Fetch<4>();
-    if (modal::HasOtherHistory(layer))
-      modal::OtherHistory<V, kPoints, Ports, At>::Take(ports, at, rest[0], motion);
+    ahead(Piece<4>());
+    if (modal::HasRootHistory(layer.modal))
+      modal::RootHistory<V, kPoints, Ports, At>::Take(ports, at, rest[0], motion);
     if (extras.rates && ports.table->substeps > 0)
       Start::TakeRates(ports, *extras.rates, at, rest, hold, per_length, motion);
     for (uint32_t i = 0; i < N; ++i)
@@ -376,7 +335,7 @@ struct SimulateModal {
     if (carried) {
       Start::Carry(*ports.table, rest[0], hold != nullptr, calm, motion);
     } else if (!restart) {
-      ahead.template Fetch<5>();
+      ahead(Piece<5>());
       if constexpr (kPicks) {
         picked = StepFree(params, ports, at, rest, per_length, g, rubs, struck, motion);
         const Mask was = LoadLanes<V>(ports.chain->quiet_s, at) < V(0.0f);
@@ -399,10 +358,10 @@ struct SimulateModal {
         }
       }
     }
-    ahead.template Fetch<6>();
+    ahead(Piece<6>());
     modal::Directions(motion, d);
     modal::DrawCurve(*ports.table, d, rest, g);
-    ahead.template Fetch<7>();
+    ahead(Piece<7>());
     if (!restart) {
       if constexpr (kPicks) {
         if (HasObstacles(params, ports))
@@ -414,7 +373,7 @@ struct SimulateModal {
             picks->of[kStruck].Add(picked & struck & !rubs, at);
             plain = plain & (rubs | !struck);
           }
-        if (Any(plain) && layer.friction > 0.0f) {
+        if (Any(plain) && layer.modal.friction > 0.0f) {
           picks->of[kRubs].Add(plain & rubs, at);
           picks->of[kTouches].Add(plain & !rubs, at);
         } else if (Any(plain)) {
@@ -497,9 +456,9 @@ struct SimulateModalRated {
   using Ports = modal::RatedPorts<kPoints, kVertexChains>;
 
   static void Run(const Params& params, const Ports& ports) {
-    const bool given = (ports.layer->flags & kLayerRatesGiven) != 0;
+    const bool given = (ports.plain.layer->flags & kLayerRatesGiven) != 0;
     SimulateModal<V, kPoints, kVertexChains>::RunWith(
-        params, ports.WithoutExtras(), {given ? ports.rates.block : nullptr, nullptr});
+        params, ports.plain, {given ? ports.rates.block : nullptr, nullptr});
   }
 };
 
@@ -514,7 +473,7 @@ struct SimulateModalHeld {
   using Ports = modal::HeldPorts<kPoints, kVertexChains>;
 
   static void Run(const Params& params, const Ports& ports) {
-    SimulateModal<V, kPoints, kVertexChains>::RunWith(params, ports.WithoutExtras(),
+    SimulateModal<V, kPoints, kVertexChains>::RunWith(params, ports.plain,
                                                       {nullptr, ports.down.block});
   }
 };
@@ -530,9 +489,9 @@ struct SimulateModalRatedHeld {
   using Ports = modal::RatedHeldPorts<kPoints, kVertexChains>;
 
   static void Run(const Params& params, const Ports& ports) {
-    const bool given = (ports.layer->flags & kLayerRatesGiven) != 0;
+    const bool given = (ports.plain.layer->flags & kLayerRatesGiven) != 0;
     SimulateModal<V, kPoints, kVertexChains>::RunWith(
-        params, ports.WithoutExtras(), {given ? ports.rates.block : nullptr, ports.down.block});
+        params, ports.plain, {given ? ports.rates.block : nullptr, ports.down.block});
   }
 };
 

@@ -42,26 +42,26 @@ struct SimulatePbd {
 
   // Angular hardness of the joint at the upper end of segment i.
   PELT_INLINE static float HardnessAt(const LayerBlock& layer, uint32_t i) {
-    return i + 1 == kFree ? layer.angular_end : layer.angular_middle;
+    return i + 1 == kFree ? layer.link.angular_end : layer.link.angular_middle;
   }
 
   template <class W>
   PELT_INLINE static void Iterate(const LayerBlock& layer, const Colliders<W>& colliders,
                                   bool clump, const Vec3<W> (&clump_pull)[kFree],
                                   chain::Group<W, kFree>& g) {
-    const chain::LengthRule<W> rule(g.length, layer.segment_hardness);
+    const chain::LengthRule<W> rule(g.length, layer.link.segment_hardness);
     Vec3<W> pull[kFree];  // rest segment vectors times the joint's hardness
-    pull[0] = g.rest[0] * W(layer.angular_middle);
+    pull[0] = g.rest[0] * W(layer.link.angular_middle);
     for (uint32_t i = 1; i < kFree; ++i)
       pull[i] = (g.rest[i] - g.rest[i - 1]) * W(HardnessAt(layer, i));
     const bool surface = chain::HasSurface(layer);
 
-    for (uint32_t iteration = 0; iteration < layer.iterations; ++iteration) {
+    for (uint32_t iteration = 0; iteration < layer.link.iterations; ++iteration) {
       if (clump)
         for (uint32_t i = 0; i < kFree; ++i)
           g.point[i] =
               g.point[i] * W(1.0f - chain::ClumpShare(layer.clump, i, kFree)) + clump_pull[i];
-      g.point[0] = g.point[0] * W(1.0f - layer.angular_middle) + pull[0];
+      g.point[0] = g.point[0] * W(1.0f - layer.link.angular_middle) + pull[0];
       for (uint32_t i = 1; i < kFree; ++i) {
         const Vec3<W> turn = pull[i] - (g.point[i] - g.point[i - 1]) * W(HardnessAt(layer, i));
         g.point[i - 1] = g.point[i - 1] - turn * W(chain::kParentShare);

@@ -33,13 +33,13 @@ struct SimulateVerlet {
   PELT_INLINE static void Iterate(const LayerBlock& layer, const Colliders<W>& colliders,
                                   bool clump, const Vec3<W> (&clump_pull)[kFree],
                                   chain::Group<W, kFree>& g) {
-    const chain::LengthRule<W> rule(g.length, layer.segment_hardness);
-    const W keep = W(1.0f - layer.stiffness);
+    const chain::LengthRule<W> rule(g.length, layer.link.segment_hardness);
+    const W keep = W(1.0f - layer.link.stiffness);
     Vec3<W> pull[kFree];
-    for (uint32_t i = 0; i < kFree; ++i) pull[i] = g.rest[i] * W(layer.stiffness);
+    for (uint32_t i = 0; i < kFree; ++i) pull[i] = g.rest[i] * W(layer.link.stiffness);
     const bool surface = chain::HasSurface(layer);
 
-    for (uint32_t iteration = 0; iteration < layer.iterations; ++iteration) {
+    for (uint32_t iteration = 0; iteration < layer.link.iterations; ++iteration) {
       for (uint32_t i = 0; i < kFree; ++i) g.point[i] = g.point[i] * keep + pull[i];
       if (clump)
         for (uint32_t i = 0; i < kFree; ++i)

@@ -21,7 +21,7 @@
 
 #include "core/chunk.hpp"
 #include "core/kernel.hpp"
-#include "core/kernels/fetch_ahead.hpp"
+#include "core/kernels/prefetch.hpp"
 #include "core/streams.hpp"
 
 namespace pelt {
@@ -110,16 +110,6 @@ PELT_INLINE void FinishFrames(const RawFrames& raw, uint32_t first, SkinnedVerte
   }
 }
 
-// Chunks have few vertices, and skin is the first to touch them: what the next one starts with. Of
-// weights as many rows as most groups have.
-template <class V>
-PELT_INLINE void FetchNextChunk(const MeshBlock& mesh, uint32_t v, const SkinnedBlock& skinned) {
-  constexpr uint32_t kWeightBytes = 5 * sizeof mesh.weight[0] / kLaneGroup;
-  FetchRecordsAhead<SkinnedBlock, V::kLanes, sizeof(SkinnedVertex), 0>(skinned.vertex, v, 0);
-  FetchRecordsAhead<MeshBlock, V::kLanes, kWeightBytes, 0>(mesh.weight, v, 0);
-  FetchRecordsAhead<MeshBlock, V::kLanes, 8, 0>(mesh.row_joint, v, 0);  // and first rows
-}
-
 // Two loops over the chunk: making a frame unit is a chain of some 200 cycles, and only short loop
 // bodies let the machine overlap the chains of several groups (measured: a third faster than one
 // loop). With kFrames false only position and normal are written: what other skinning libraries are
@@ -128,14 +118,22 @@ template <class V, bool kFrames>
 PELT_INLINE void SkinChunk(const PaletteBlock& palette, const MeshBlock& mesh, uint32_t lanes,
                            uint32_t first_new, SkinnedBlock& skinned) {
   RawFrames raw;
-  for (uint32_t v = 0; v < lanes; v += V::kLanes) {
-    RowsAhead<MeshBlock, V::kLanes, 9, sizeof mesh.position[0]>(mesh.position, v, lanes).Fetch();
-    BlendVertices<V, kFrames>(palette, mesh, v, first_new, skinned.vertex, raw);
-  }
-  for (uint32_t v = 0; v < lanes; v += V::kLanes) {
-    FetchNextChunk<V>(mesh, v, skinned);
-    FinishFrames<V, kFrames>(raw, v, skinned.vertex);
-  }
+  ForEachPrefetched<V::kLanes>(
+      0, lanes,
+      [&](uint32_t v) __attribute__((always_inline)) {
+        BlendVertices<V, kFrames>(palette, mesh, v, first_new, skinned.vertex, raw);
+      },
+      RowsFrom<9, 1, sizeof mesh.position[0]>(mesh, mesh.position));
+  // Chunks have few vertices, and skin is the first to touch them: what the next one starts with. Of
+  // weights as many rows as most groups have.
+  constexpr uint32_t kWeightBytes = 5 * sizeof mesh.weight[0] / kLaneGroup;
+  ForEachPrefetched<V::kLanes>(
+      0, lanes,
+      [&](uint32_t v)
+          __attribute__((always_inline)) { FinishFrames<V, kFrames>(raw, v, skinned.vertex); },
+      NextChunkFrom<sizeof(SkinnedVertex)>(skinned, skinned.vertex),
+      NextChunkFrom<kWeightBytes>(mesh, mesh.weight),
+      NextChunkFrom<8>(mesh, mesh.row_joint));  // and first rows
 }
 
 }  // namespace skin_detail

@@ -18,6 +18,7 @@
 
 #include "core/chunk.hpp"
 #include "core/kernel.hpp"
+#include "core/layer.hpp"
 #include "core/streams.hpp"
 
 namespace pelt {

@@ -6,10 +6,24 @@
 #pragma once
 
 #include "core/chunk.hpp"
-#include "core/kernels/fetch_ahead.hpp"
+#include "core/kernel.hpp"
+#include "core/kernels/prefetch.hpp"
+#include "core/layer.hpp"
 #include "core/simd.hpp"
+#include "core/streams.hpp"
 
 namespace pelt::look {
+
+// Of a kernel that makes records of strands.
+template <uint32_t kPoints, auto kWritten>
+struct FitPorts {
+  Shared<&Streams::layers> layer;
+  In<&Streams::chunk_state> state;
+  In<&Streams::strands> strands;
+  In<&Streams::roots> roots;
+  In<ChainStreams<kPoints, false>::kPosition> points;
+  Out<kWritten> written;
+};
 
 template <class V>
 struct StrandLook {
@@ -60,12 +74,11 @@ PELT_INLINE typename V::Int Tinted(const LayerTint<V>& tint, typename V::Int col
   return tint.changes ? Tint<V>(colour, tint.scale, tint.add) : colour;
 }
 
-// Of the rows that Look reads.
-template <int kLanes>
-PELT_INLINE void FetchAhead(const StrandBlock& strands, uint32_t lane, uint32_t end) {
-  constexpr uint32_t kRow = sizeof strands.width;
-  static_assert(offsetof(StrandBlock, tip_colour) == offsetof(StrandBlock, width) + 2 * kRow);
-  RowsAhead<StrandBlock, kLanes, 3, kRow, 2>(strands.width, lane, end).Fetch();
+// The rows that Look reads.
+PELT_INLINE auto RowsOfLook(const StrandBlock& strands) {
+  static_assert(offsetof(StrandBlock, tip_colour) ==
+                offsetof(StrandBlock, width) + 2 * sizeof strands.width);
+  return RowsFrom<3, 2>(strands, strands.width);
 }
 
 // Lanes [lane, lane + kLanes) of the chunk.

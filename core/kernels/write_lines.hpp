@@ -19,6 +19,7 @@
 #include "core/kernel.hpp"
 #include "core/kernels/write_instances.hpp"
 #include "core/kernels/write_ribbons.hpp"
+#include "core/layer.hpp"
 #include "core/streams.hpp"
 
 namespace pelt {

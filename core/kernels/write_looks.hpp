@@ -12,6 +12,7 @@
 #include "core/chunk.hpp"
 #include "core/kernel.hpp"
 #include "core/kernels/write_lines.hpp"
+#include "core/layer.hpp"
 #include "core/streams.hpp"
 
 namespace pelt {

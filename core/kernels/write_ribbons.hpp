@@ -23,6 +23,7 @@
 #include "core/chunk.hpp"
 #include "core/kernel.hpp"
 #include "core/kernels/write_instances.hpp"
+#include "core/layer.hpp"
 #include "core/streams.hpp"
 
 namespace pelt {

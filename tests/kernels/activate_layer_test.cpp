@@ -11,16 +11,8 @@
 #include "core/kernels/activate.hpp"
 #include "tests/kernels/activate_worlds.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
-
-using test::AddJoint;
-using test::Blocks;
-using test::ChunkWorld;
-using test::FollowerWorld;
-using test::kAllSwitches;
-using test::kJoints;
-using test::PatchWorld;
 
 // ---- A layer ------------------------------------------------------------------------------------
 //
@@ -302,7 +294,7 @@ class ToyLayer {
   }
 
  private:
-  void Set(const Scene& scene, bool first, test::World& world) const {
+  void Set(const Scene& scene, bool first, World& world) const {
     world.lod[0].visible = scene.visible;
     world.lod[0].fraction = scene.fraction;
     world.lod[0].fade = scene.fade;
@@ -436,4 +428,4 @@ TEST(Activate, SleepingThroughAPatchThatIsAwakeIsFound) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

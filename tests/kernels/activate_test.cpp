@@ -11,17 +11,8 @@
 
 #include "tests/kernels/activate_worlds.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
-
-using test::ChunkWorld;
-using test::FetchedWorld;
-using test::FollowerWorld;
-using test::kAllSwitches;
-using test::kEverything;
-using test::kIsPatch;
-using test::PatchWorld;
-using test::Settle;
 
 // ---- What lives ---------------------------------------------------------------------------------
 
@@ -351,7 +342,7 @@ TEST(Activate, WhoFollowsMorePatchesThanAreListedNeverSleeps) {
 
 template <class W>
 void ExpectSameOnEveryVector() {
-  test::ForEveryVector([]<class V>(const char* name) {
+  ForEveryVector([]<class V>(const char* name) {
     W world(100), reference(100);
     for (int i = 0; i < 50; ++i) {
       world.lod[0].fraction = reference.lod[0].fraction = float(i % 7) / 6.0f;
@@ -369,4 +360,4 @@ TEST(Activate, SameBitsOnEveryVector) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

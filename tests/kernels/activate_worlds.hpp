@@ -8,7 +8,7 @@
 #include <type_traits>
 
 #include "core/kernels/activate.hpp"
-#include "tests/kernels/every_vector.hpp"
+#include "tests/kernels/run_kernel.hpp"
 
 namespace pelt::test {
 

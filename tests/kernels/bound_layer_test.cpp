@@ -9,12 +9,8 @@
 
 #include "tests/kernels/run_kernel.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
-
-using test::ForEveryVector;
-using test::RunOnBlocks;
-using test::Uniform;
 
 struct Scene {
   PaletteBlock palette{};
@@ -22,9 +18,14 @@ struct Scene {
   LayerJointBlock joints{};
 };
 
+template <class V>
+BoundsBlock BoundsOf(const Scene& scene) {
+  return OutputOf<BoundLayer<V>, BoundsBlock>(nullptr, scene.palette, scene.layer, scene.joints);
+}
+
 std::unique_ptr<Scene> MakeScene(uint32_t count, uint32_t seed) {
   auto scene = std::make_unique<Scene>();
-  test::Poison(scene->joints);  // entries beyond `count` must not matter
+  Poison(scene->joints);  // entries beyond `count` must not matter
   std::mt19937 random(seed);
   for (auto& matrix : scene->palette.matrix)
     for (float& v : matrix) v = Uniform(random, -1.5f, 1.5f);
@@ -43,10 +44,7 @@ std::unique_ptr<Scene> MakeScene(uint32_t count, uint32_t seed) {
 TEST(BoundLayer, IsTheUnionOfAllTransformedCorners) {
   for (uint32_t count : {1u, 3u, 4u, 9u, 31u, 256u}) {
     const auto scene = MakeScene(count, count);
-    BoundsBlock bounds;
-    test::Poison(bounds);
-    RunOnBlocks<BoundLayer<ArrayVec<4>>>(nullptr, scene->palette, scene->layer, scene->joints,
-                                         bounds);
+    const BoundsBlock bounds = BoundsOf<ArrayVec<4>>(*scene);
     double low[3] = {1e30, 1e30, 1e30}, high[3] = {-1e30, -1e30, -1e30};
     for (uint32_t i = 0; i < count; ++i) {
       const float* m = scene->palette.matrix[scene->joints.joint[i]];
@@ -83,25 +81,14 @@ TEST(BoundLayer, SameBlockOnEveryVector) {
           scene->palette.matrix[scene->joints.joint[i]][4 * r + 3] = i % 3 ? 0.0f : -0.0f;
       }
     }
-    BoundsBlock expected;
-    test::Poison(expected);
-    RunOnBlocks<BoundLayer<ArrayVec<4>>>(nullptr, scene->palette, scene->layer, scene->joints,
-                                         expected);
-    ForEveryVector([&]<class V>(const char* name) {
-      BoundsBlock bounds;
-      test::Poison(bounds);
-      RunOnBlocks<BoundLayer<V>>(nullptr, scene->palette, scene->layer, scene->joints, bounds);
-      EXPECT_EQ(std::memcmp(&bounds, &expected, sizeof bounds), 0) << name << " " << count;
-    });
+    ExpectOnEveryVector(
+        BoundsOf<ArrayVec<4>>(*scene), [&]<class V> { return BoundsOf<V>(*scene); }, count);
   }
 }
 
 TEST(BoundLayer, ALayerWithoutJointsIsAPoint) {
   const auto scene = MakeScene(0, 1);
-  BoundsBlock bounds;
-  test::Poison(bounds);
-  RunOnBlocks<BoundLayer<ArrayVec<4>>>(nullptr, scene->palette, scene->layer, scene->joints,
-                                       bounds);
+  const BoundsBlock bounds = BoundsOf<ArrayVec<4>>(*scene);
   for (int c = 0; c < 3; ++c) {
     EXPECT_EQ(bounds.low[c], 0.0f);
     EXPECT_EQ(bounds.high[c], 0.0f);
@@ -109,4 +96,4 @@ TEST(BoundLayer, ALayerWithoutJointsIsAPoint) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

@@ -26,15 +26,14 @@ std::unique_ptr<ChainScene<kPoints>> CoastingScene(float root_x, PaceOf pace_of)
   MakeOrderly(*s, 41);
   s->state.flags = kChunkSimulate;
   s->layer.gravity[1] = s->layer.surface_hardness = 0.0f;
-  s->layer.velocity_keep = 1.0f;
-  s->layer.iterations = 0;
+  s->layer.link.velocity_keep = 1.0f;
+  s->layer.link.iterations = 0;
   for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
     SetRoot(*s, lane, {root_x, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}, {1.0f, 0.0f, 0.0f});
-    const std::vector<D3> groom = GroomOf(s->rest, s->roots, lane);
+    const std::vector<Double3> groom = GroomOf(s->rest, s->roots, lane);
     for (uint32_t i = 0; i + 1 < kPoints; ++i) {
-      const double at[3] = {groom[i].x, groom[i].y, groom[i].z};
-      for (int k = 0; k < 3; ++k)
-        s->position.position[i][k][lane] = s->previous.position[i][k][lane] = float(at[k]);
+      SetAt(s->position.position[i], lane, groom[i]);
+      SetAt(s->previous.position[i], lane, groom[i]);
     }
     s->previous.position[lane % (kPoints - 1)][0][lane] -= pace_of(*s, lane).step_m;
   }
@@ -43,11 +42,8 @@ std::unique_ptr<ChainScene<kPoints>> CoastingScene(float root_x, PaceOf pace_of)
 
 template <uint32_t kPoints>
 void Run(const KernelDesc& kernel, ChainScene<kPoints>& s) {
-  const auto one = [](auto& block) { return Binding{&block, nullptr, 1}; };
-  const Binding bindings[] = {one(s.layer), one(s.state),   one(s.rest),     one(s.roots),
-                              one(s.wind),  one(s.strands), one(s.position), one(s.previous)};
-  ASSERT_EQ(kernel.ports.size(), std::size(bindings));
-  kernel.run(&s.params, bindings);
+  RunOnBlocks(kernel, &s.params, s.layer, s.state, s.rest, s.roots, s.wind, s.strands, s.position,
+              s.previous);
 }
 
 template <uint32_t kPoints, class PaceOf>

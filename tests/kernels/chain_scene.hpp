@@ -6,12 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <memory>
 #include <random>
 #include <vector>
 
 #include "core/kernels/simulate_pbd.hpp"
 #include "core/kernels/simulate_verlet.hpp"
-#include "tests/kernels/every_vector.hpp"
+#include "tests/kernels/run_kernel.hpp"
 
 namespace pelt::test {
 
@@ -61,14 +62,14 @@ void MakeOrderly(ChainScene<kPoints>& s, uint32_t seed, uint32_t live = kStrands
   std::mt19937 random(seed);
   s.layer.flags = kLayerEnabled | kLayerSimulate;
   s.layer.gravity[1] = -9.81f;
-  s.layer.velocity_keep = 0.951229f;  // 3 1/s at 60 Hz
+  s.layer.link.velocity_keep = 0.951229f;  // 3 1/s at 60 Hz
   s.layer.scale = 1.0f;
-  s.layer.segment_hardness = 1.0f;
-  s.layer.angular_middle = 0.2f;
-  s.layer.angular_end = 0.1f;
+  s.layer.link.segment_hardness = 1.0f;
+  s.layer.link.angular_middle = 0.2f;
+  s.layer.link.angular_end = 0.1f;
   s.layer.surface_hardness = 0.5f;
-  s.layer.stiffness = 0.1f;
-  s.layer.iterations = 4;
+  s.layer.link.stiffness = 0.1f;
+  s.layer.link.iterations = 4;
   s.params.dt = 1.0f / 60.0f;
   s.params.rest_threshold = kRestThreshold;
   s.state.live_strands = s.state.live_chains = live;
@@ -114,16 +115,16 @@ void MakeRandom(ChainScene<kPoints>& s, uint32_t seed) {
   s.state.first_new_strand = s.state.first_new_chain =
       random() % 2 ? s.state.live_strands : random() % (s.state.live_strands + 1);
   for (float& g : s.layer.gravity) g = Uniform(random, -10.0f, 10.0f);
-  s.layer.velocity_keep = edge(0.8f, 1.0f);
+  s.layer.link.velocity_keep = edge(0.8f, 1.0f);
   s.layer.motion_follow = edge(0.0f, 1.0f);
-  s.layer.segment_hardness = edge(0.0f, 1.0f);
-  s.layer.angular_middle = edge(0.0f, 1.0f);
-  s.layer.angular_end = edge(0.0f, 1.0f);
+  s.layer.link.segment_hardness = edge(0.0f, 1.0f);
+  s.layer.link.angular_middle = edge(0.0f, 1.0f);
+  s.layer.link.angular_end = edge(0.0f, 1.0f);
   s.layer.surface_hardness = edge(0.0f, 1.0f);
-  s.layer.stiffness = edge(0.0f, 1.0f);
+  s.layer.link.stiffness = edge(0.0f, 1.0f);
   s.layer.bounce = edge(0.0f, 1.0f);
   s.layer.clump = edge(0.0f, 1.0f);
-  s.layer.iterations = random() % 7;
+  s.layer.link.iterations = random() % 7;
   if (random() % 2) s.layer.flags |= kLayerWind;
   if (random() % 2) s.layer.flags |= kLayerClump;
   s.params.rest_threshold = 0.0f;
@@ -169,10 +170,22 @@ void MakeRandom(ChainScene<kPoints>& s, uint32_t seed) {
   }
 }
 
+// Strands that follow chains at the first `vertices` lanes of a patch.
+inline void FollowVertex(StrandBlock& strands, uint32_t lane, uint32_t vertices,
+                         std::mt19937& random) {
+  float a = Uniform(random, 0.0f, 1.0f), b = Uniform(random, 0.0f, 1.0f);
+  if (a + b > 1.0f) a = 1.0f - a, b = 1.0f - b;
+  const float bary[3] = {a, b, 1.0f - a - b};
+  for (int k = 0; k < 3; ++k) {
+    strands.bary[k][lane] = bary[k];
+    strands.vertex[k][lane] = uint8_t(random() % vertices);
+  }
+}
+
 // One frame of kernel K. Blocks go through the same binding an executor uses.
 template <class K, uint32_t kPoints>
 void StepChains(ChainScene<kPoints>& s) {
-  constexpr size_t kCount = kMemberCount<typename K::Ports>;
+  constexpr size_t kCount = KernelTraits<K>::kDescs.size();
   void* all[] = {&s.layer, &s.state,   &s.rest,     &s.roots,
                  &s.wind,  &s.strands, &s.position, &s.previous};
   Binding bindings[kCount];
@@ -198,34 +211,22 @@ void MoveRoots(ChainScene<kPoints>& s, float x, float y, float z) {
 
 // ---- The reference ------------------------------------------------------------------------------
 
-struct D3 {
-  double x = 0, y = 0, z = 0;
-  friend D3 operator+(D3 a, D3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-  friend D3 operator-(D3 a, D3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-  friend D3 operator*(D3 a, double s) { return {a.x * s, a.y * s, a.z * s}; }
-  friend double Dot(D3 a, D3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-  friend double Length(D3 a) { return std::sqrt(Dot(a, a)); }
-};
-
-template <size_t S>
-D3 At(const float (&rows)[3][S], uint32_t lane) {
-  return {rows[0][lane], rows[1][lane], rows[2][lane]};
-}
-
 enum class ReferenceSolver { kPbd, kVerlet };
 
 struct ReferenceChain {
-  std::vector<D3> position, previous;
+  std::vector<Double3> position, previous;
 };
 
 // The groom of a lane in the world: points 1 .. n.
 template <uint32_t kPoints>
-std::vector<D3> GroomOf(const RestBlock<kPoints>& rest, const RootBlock& roots, uint32_t lane) {
-  const D3 root = At(roots.position, lane), n = At(roots.normal, lane), t = At(roots.tangent, lane);
-  const D3 b = {n.y * t.z - n.z * t.y, n.z * t.x - n.x * t.z, n.x * t.y - n.y * t.x};
-  std::vector<D3> points;
+std::vector<Double3> GroomOf(const RestBlock<kPoints>& rest, const RootBlock& roots,
+                             uint32_t lane) {
+  const Double3 root = At(roots.position, lane), n = At(roots.normal, lane),
+                t = At(roots.tangent, lane);
+  const Double3 b = Cross(n, t);
+  std::vector<Double3> points;
   for (uint32_t i = 0; i + 1 < kPoints; ++i) {
-    const D3 o = At(rest.offset[i], lane);
+    const Double3 o = At(rest.offset[i], lane);
     points.push_back(root + t * o.x + b * o.y + n * o.z);
   }
   return points;
@@ -235,35 +236,35 @@ std::vector<D3> GroomOf(const RestBlock<kPoints>& rest, const RootBlock& roots, 
 // modelled (rest_threshold must be 0).
 template <uint32_t kPoints>
 ReferenceChain StepReference(const ChainScene<kPoints>& s, ReferenceSolver solver, uint32_t lane,
-                             bool fresh, const std::vector<D3>* control) {
+                             bool fresh, const std::vector<Double3>* control) {
   constexpr int n = int(kPoints) - 1;
   const LayerBlock& layer = s.layer;
-  const D3 root = At(s.roots.position, lane), normal = At(s.roots.normal, lane);
-  const D3 motion = At(s.roots.motion, lane);
+  const Double3 root = At(s.roots.position, lane), normal = At(s.roots.normal, lane);
+  const Double3 motion = At(s.roots.motion, lane);
   const double strength = s.rest.strength[lane];
-  const std::vector<D3> groom = GroomOf(s.rest, s.roots, lane);
+  const std::vector<Double3> groom = GroomOf(s.rest, s.roots, lane);
   if (fresh || strength <= 0.0) return {groom, groom};
   const double length = s.rest.segment_length[lane], dt2 = double(s.params.dt) * s.params.dt;
   const double length2 = length * length;
-  const D3 carried = motion * layer.motion_follow, free_motion = motion - carried;
-  D3 acceleration = {layer.gravity[0], layer.gravity[1], layer.gravity[2]};
+  const Double3 carried = motion * layer.motion_follow, free_motion = motion - carried;
+  Double3 acceleration = {layer.gravity[0], layer.gravity[1], layer.gravity[2]};
   if (layer.flags & kLayerWind) acceleration = acceleration + At(s.wind.acceleration, lane);
 
-  std::vector<D3> p(n), start(n), previous(n);
+  std::vector<Double3> p(n), start(n), previous(n);
   for (int i = 0; i < n; ++i) {
-    const D3 old = At(s.position.position[i], lane);
+    const Double3 old = At(s.position.position[i], lane);
     start[i] = old + carried;
     previous[i] = start[i];
-    p[i] = start[i] + (old - At(s.previous.position[i], lane)) * layer.velocity_keep +
+    p[i] = start[i] + (old - At(s.previous.position[i], lane)) * layer.link.velocity_keep +
            acceleration * dt2;
     const double box = 2.0 * length * (i + 1);
-    D3 o = p[i] - root;
+    Double3 o = p[i] - root;
     o = {std::clamp(o.x, -box, box), std::clamp(o.y, -box, box), std::clamp(o.z, -box, box)};
     p[i] = root + o;
   }
   // Speeds into the planes, for the bounce.
-  const D3 ground = {s.params.ground[0], s.params.ground[1], s.params.ground[2]};
-  const auto height = [&](D3 a) { return Dot(ground, a) + s.params.ground[3]; };
+  const Double3 ground = {s.params.ground[0], s.params.ground[1], s.params.ground[2]};
+  const auto height = [&](Double3 a) { return Dot(ground, a) + s.params.ground[3]; };
   const double slow =
       2.0 * dt2 *
       (std::abs(layer.gravity[0]) + std::abs(layer.gravity[1]) + std::abs(layer.gravity[2]));
@@ -276,24 +277,24 @@ ReferenceChain StepReference(const ChainScene<kPoints>& s, ReferenceSolver solve
     if (s.params.use_ground && height(p[i]) < 0 && b > slow) into_ground[i] = b;
   }
 
-  const auto shorten = [&](D3 d) {  // what the length constraint adds to segment d
+  const auto shorten = [&](Double3 d) {  // what the length constraint adds to segment d
     const double d2 = Dot(d, d);
-    return d * (((3.0 * length2 + d2) / (length2 + 3.0 * d2) - 1.0) * layer.segment_hardness);
+    return d * (((3.0 * length2 + d2) / (length2 + 3.0 * d2) - 1.0) * layer.link.segment_hardness);
   };
-  for (uint32_t iteration = 0; iteration < layer.iterations; ++iteration) {
+  for (uint32_t iteration = 0; iteration < layer.link.iterations; ++iteration) {
     if (solver == ReferenceSolver::kVerlet)
-      for (int i = 0; i < n; ++i) p[i] = p[i] + (groom[i] - p[i]) * layer.stiffness;
+      for (int i = 0; i < n; ++i) p[i] = p[i] + (groom[i] - p[i]) * layer.link.stiffness;
     if (control)
       for (int i = 0; i < n; ++i)
         p[i] = p[i] + ((*control)[i] - p[i]) * (layer.clump * double(i + 1) / n);
-    const auto share = [&](int i, D3 change) {  // between the ends of segment i
+    const auto share = [&](int i, Double3 change) {  // between the ends of segment i
       p[i] = p[i] + change * (i == 0 ? 1.0 : 0.75);
       if (i > 0) p[i - 1] = p[i - 1] - change * 0.25;
     };
     for (int i = 0; i < n && solver == ReferenceSolver::kPbd; ++i) {
-      const D3 d = p[i] - (i == 0 ? root : p[i - 1]);
-      const D3 wanted = groom[i] - (i == 0 ? root : groom[i - 1]);
-      share(i, (wanted - d) * (i == n - 1 ? layer.angular_end : layer.angular_middle));
+      const Double3 d = p[i] - (i == 0 ? root : p[i - 1]);
+      const Double3 wanted = groom[i] - (i == 0 ? root : groom[i - 1]);
+      share(i, (wanted - d) * (i == n - 1 ? layer.link.angular_end : layer.link.angular_middle));
     }
     for (int i = 0; i < n; ++i) share(i, shorten(p[i] - (i == 0 ? root : p[i - 1])));
     for (int i = 0; i < n; ++i) {
@@ -304,19 +305,20 @@ ReferenceChain StepReference(const ChainScene<kPoints>& s, ReferenceSolver solve
     const auto push_out = [&](const auto& core, double radius) {
       if (Length(core(root) - root) >= 4.0 * length * n + radius) return;
       for (int i = 0; i < n; ++i) {
-        const D3 nearest = core(p[i]), d = p[i] - nearest;
+        const Double3 nearest = core(p[i]), d = p[i] - nearest;
         if (Length(d) < radius) p[i] = nearest + d * (radius / Length(d));
       }
     };
     for (uint32_t k = 0; k < s.params.sphere_count; ++k) {
       const float* sphere = s.params.sphere[k];
-      push_out([&](D3) { return D3{sphere[0], sphere[1], sphere[2]}; }, sphere[3]);
+      push_out([&](Double3) { return Double3{sphere[0], sphere[1], sphere[2]}; }, sphere[3]);
     }
     for (uint32_t k = 0; k < s.params.capsule_count; ++k) {
       const CapsuleParams& c = s.params.capsule[k];
-      const D3 from = {c.from[0], c.from[1], c.from[2]}, axis = {c.axis[0], c.axis[1], c.axis[2]};
+      const Double3 from = {c.from[0], c.from[1], c.from[2]},
+                    axis = {c.axis[0], c.axis[1], c.axis[2]};
       push_out(
-          [&](D3 a) {
+          [&](Double3 a) {
             return from + axis * std::clamp(Dot(a - from, axis), 0.0, double(c.length));
           },
           c.radius);
@@ -327,7 +329,7 @@ ReferenceChain StepReference(const ChainScene<kPoints>& s, ReferenceSolver solve
   for (int i = 0; i < n; ++i) {
     p[i] = p[i] + (groom[i] - p[i]) * ((1.0 - strength) * (1.0 - strength));
     if (layer.bounce <= 0.0f) continue;
-    const D3 step = p[i] - previous[i];
+    const Double3 step = p[i] - previous[i];
     if (into_surface[i] > 0)
       previous[i] = previous[i] -
                     normal * (layer.bounce * (into_surface[i] - Dot(step - free_motion, normal)));
@@ -347,7 +349,7 @@ double WorstDifference(const ChainScene<kPoints>& before, const ChainScene<kPoin
       vertex_chains ? before.state.first_new_chain : before.state.first_new_strand;
   double worst = 0.0;
   for (uint32_t lane = 0; lane < live; ++lane) {
-    std::vector<D3> control;
+    std::vector<Double3> control;
     const bool clump = !vertex_chains && (before.layer.flags & kLayerClump) &&
                        lane >= before.strands.control_count;
     for (uint32_t i = 0; clump && i + 1 < kPoints; ++i)
@@ -356,13 +358,48 @@ double WorstDifference(const ChainScene<kPoints>& before, const ChainScene<kPoin
         StepReference(before, solver, lane, lane >= first_new, clump ? &control : nullptr);
     for (uint32_t i = 0; i + 1 < kPoints; ++i) {
       const double size = before.rest.segment_length[lane];
-      const D3 a = At(after.position.position[i], lane) - reference.position[i];
-      const D3 b = At(after.previous.position[i], lane) - reference.previous[i];
+      const Double3 a = At(after.position.position[i], lane) - reference.position[i];
+      const Double3 b = At(after.previous.position[i], lane) - reference.previous[i];
       worst = std::max({worst, Length(a) / size, Length(b) / size});
       if (!std::isfinite(Length(a) + Length(b))) return INFINITY;
     }
   }
   return worst;
+}
+
+template <uint32_t kPoints>
+void ExpectOnGroom(const ChainScene<kPoints>& s, const PointBlock<kPoints>& points) {
+  for (uint32_t lane = 0; lane < s.state.live_strands; ++lane) {
+    const auto groom = GroomOf(s.rest, s.roots, lane);
+    for (uint32_t i = 0; i + 1 < kPoints; ++i)
+      EXPECT_LT(Length(At(points.position[i], lane) - groom[i]), 2e-6) << lane;
+  }
+}
+
+template <uint32_t kPoints>
+void ExpectFinite(const ChainScene<kPoints>& s, const PointBlock<kPoints>& points) {
+  for (uint32_t lane = 0; lane < s.state.live_strands; ++lane)
+    for (uint32_t i = 0; i + 1 < kPoints; ++i)
+      EXPECT_TRUE(std::isfinite(Length(At(points.position[i], lane)))) << lane;
+}
+
+// Strands and the chains that they follow without lengths.
+inline void MakeDegenerate(ChainScene<4>& chains, ChainScene<4>& strands) {
+  std::memset(static_cast<void*>(&strands.rest), 0, sizeof strands.rest);
+  std::memset(chains.rest.segment_length, 0, sizeof chains.rest.segment_length);
+}
+
+// Points that `run` draws on each vector, and the loads that a scene has then.
+template <class Scene, class Run>
+void ExpectSamePointsEverywhere(Scene& s, uint32_t seed, Run run) {
+  auto wanted = std::make_unique<PointBlock<4>>(), got = std::make_unique<PointBlock<4>>();
+  run.template operator()<Vec<IsaSse4>>(*wanted);
+  const auto loads = std::make_unique<LoadBlock>(s.loads);
+  ForEveryVector([&]<class W>(const char* name) {
+    run.template operator()<W>(*got);
+    EXPECT_EQ(std::memcmp(loads.get(), &s.loads, sizeof *loads), 0) << name << " " << seed;
+    EXPECT_EQ(std::memcmp(wanted.get(), got.get(), sizeof *got), 0) << name << " " << seed;
+  });
 }
 
 // Same bits in every block a solver writes.
@@ -373,14 +410,60 @@ bool SameChains(const ChainScene<kPoints>& a, const ChainScene<kPoints>& b) {
          a.state.state_changed == b.state.state_changed;
 }
 
+// Coordinates up to 1.5 m and segments of 5 mm and more: one step of a float is 2.4e-5 segments.
+inline constexpr double kReferenceTolerance = 4e-4;  // segments
+
+template <uint32_t kPoints>
+auto NewScene() {
+  return std::make_unique<ChainScene<kPoints>>();
+}
+
+template <class K, uint32_t kPoints>
+double WorstOfRandom(ReferenceSolver solver, bool vertex_chains, uint32_t scenes) {
+  auto before = NewScene<kPoints>(), after = NewScene<kPoints>();
+  double worst = 0.0;
+  for (uint32_t seed = 1; seed <= scenes; ++seed) {
+    MakeRandom(*before, seed);
+    *after = *before;
+    StepChains<K>(*after);
+    worst = std::max(worst, WorstDifference(*before, *after, solver, vertex_chains));
+  }
+  return worst;
+}
+
+// Kernel<V> is a solver.
+template <template <class> class Kernel, uint32_t kPoints>
+void ExpectSameStepsEverywhere() {
+  auto start = NewScene<kPoints>(), wanted = NewScene<kPoints>(), got = NewScene<kPoints>();
+  for (uint32_t seed = 1; seed <= 12; ++seed) {
+    MakeRandom(*start, seed);
+    start->params.rest_threshold = seed % 2 ? 0.3f : 0.0f;  // some chains rest in each group
+    *wanted = *start;
+    for (int frame = 0; frame < 3; ++frame) StepChains<Kernel<Vec<IsaSse4>>>(*wanted);
+    const auto check = [&]<class W>(const char* name) {
+      *got = *start;
+      for (int frame = 0; frame < 3; ++frame) StepChains<Kernel<W>>(*got);
+      EXPECT_TRUE(SameChains(*wanted, *got)) << name << " seed " << seed;
+    };
+    check.template operator()<ArrayVec<4>>("array of 4");
+    if constexpr (kPoints == 5) check.template operator()<ArrayVec<8>>("array of 8");
+#if defined(__AVX2__)
+    check.template operator()<Vec<IsaAvx2>>("avx2");
+#endif
+#if defined(__AVX512F__)
+    check.template operator()<Vec<IsaAvx512>>("avx512");
+#endif
+  }
+}
+
 // Largest share by which a segment of a live chain is off its length, and the mean.
 template <uint32_t kPoints>
 std::pair<double, double> StretchOf(const ChainScene<kPoints>& s) {
   double worst = 0.0, sum = 0.0;
   for (uint32_t lane = 0; lane < s.state.live_strands; ++lane) {
-    D3 last = At(s.roots.position, lane);
+    Double3 last = At(s.roots.position, lane);
     for (uint32_t i = 0; i + 1 < kPoints; ++i) {
-      const D3 p = At(s.position.position[i], lane);
+      const Double3 p = At(s.position.position[i], lane);
       const double error = std::abs(Length(p - last) / s.rest.segment_length[lane] - 1.0);
       worst = std::max(worst, error);
       sum += error;

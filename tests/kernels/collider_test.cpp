@@ -9,34 +9,22 @@
 #include <vector>
 
 #include "core/kernels/modal_contact.hpp"
-#include "tests/kernels/every_vector.hpp"
+#include "tests/kernels/run_kernel.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
-
-struct Point {
-  double x, y, z;
-  friend Point operator+(Point a, Point b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-  friend Point operator-(Point a, Point b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-  friend Point operator*(Point a, double s) { return {a.x * s, a.y * s, a.z * s}; }
-  friend double Dot(Point a, Point b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-  friend double Length(Point a) { return std::sqrt(Dot(a, a)); }
-};
 
 // Everything within `radius` of many points; a plane: of one, very far below.
 struct BruteForce {
-  std::vector<Point> core;
+  std::vector<Double3> core;
   double radius;
 
-  Point Nearest(Point p) const {
+  Double3 Nearest(Double3 p) const {
     return *std::min_element(core.begin(), core.end(),
-                             [&](Point a, Point b) { return Length(p - a) < Length(p - b); });
+                             [&](Double3 a, Double3 b) { return Length(p - a) < Length(p - b); });
   }
-  double Distance(Point p) const { return Length(p - Nearest(p)) - radius; }
-  Point Normal(Point p) const {
-    const Point out = p - Nearest(p);
-    return out * (1.0 / Length(out));
-  }
+  double Distance(Double3 p) const { return Length(p - Nearest(p)) - radius; }
+  Double3 Normal(Double3 p) const { return Unit(p - Nearest(p)); }
 };
 
 template <class V>
@@ -47,11 +35,11 @@ struct Lanes {
     v.y.Store(y);
     v.z.Store(z);
   }
-  Point At(int lane) const { return {x[lane], y[lane], z[lane]}; }
+  Double3 At(int lane) const { return {x[lane], y[lane], z[lane]}; }
 };
 
 template <class V>
-Vec3<V> Everywhere(Point p) {
+Vec3<V> Everywhere(Double3 p) {
   return {V(float(p.x)), V(float(p.y)), V(float(p.z))};
 }
 
@@ -62,18 +50,18 @@ class Shapes {
   float Uniform(float low, float high) {
     return std::uniform_real_distribution<float>(low, high)(random_);
   }
-  Point Random(float size) {
+  Double3 Random(float size) {
     return {Uniform(-size, size), Uniform(-size, size), Uniform(-size, size)};
   }
-  Point RandomUnit() {
-    Point p{};
+  Double3 RandomUnit() {
+    Double3 p{};
     while (Length(p) < 0.1) p = Random(1.0f);
-    return p * (1.0 / Length(p));
+    return Unit(p);
   }
 
   template <class V>
   Plane<V> MakePlane(BruteForce& same) {
-    const Point normal = RandomUnit();
+    const Double3 normal = RandomUnit();
     const float height = Uniform(-0.3f, 0.3f);
     constexpr double kFar = 1.0e8;
     same = {{normal * (-height - kFar)}, kFar};
@@ -81,14 +69,14 @@ class Shapes {
   }
   template <class V>
   Sphere<V> MakeSphere(BruteForce& same) {
-    const Point centre = Random(0.5f);
+    const Double3 centre = Random(0.5f);
     const float radius = Uniform(0.05f, 0.5f);
     same = {{centre}, radius};
     return {{V(radius)}, Everywhere<V>(centre)};
   }
   template <class V>
   Capsule<V> MakeCapsule(BruteForce& same) {
-    const Point from = Random(0.5f), axis = RandomUnit();
+    const Double3 from = Random(0.5f), axis = RandomUnit();
     const float radius = Uniform(0.05f, 0.5f), length = Uniform(0.0f, 1.0f);
     same = {{}, radius};
     constexpr int kSamples = 2000;
@@ -122,7 +110,7 @@ class Shapes {
 };
 
 TEST(Collider, DistanceAndNormalAreThoseOfBruteForce) {
-  test::ForEveryVector([]<class V>(const char* name) {
+  ForEveryVector([]<class V>(const char* name) {
     Shapes random(1);
     for (int iteration = 0; iteration < 20; ++iteration)
       random.ForEach<V>([&](const auto& shape, const BruteForce& same) {
@@ -250,4 +238,4 @@ TEST(Collider, ALinkThatLeansAsToldEndsOutside) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

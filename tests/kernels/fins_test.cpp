@@ -8,14 +8,10 @@
 #include "core/kernels/select_fins.hpp"
 #include "tests/kernels/run_kernel.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
 
-using test::ForEveryVector;
-using test::RunOnBlocks;
-using test::Uniform;
 using Ref = ArrayVec<4>;
-using Double3 = Vec3<double>;
 
 struct Scene {
   SelectFinsParams params{};
@@ -26,17 +22,10 @@ struct Scene {
 
   template <class V>
   FinBlock Run() const {
-    FinBlock out;
-    test::Poison(out);
-    Scene copy = *this;
-    RunOnBlocks<SelectFins<V>>(&copy.params, copy.state, copy.triangles, copy.edges, copy.vertices,
-                               out);
-    return out;
+    return OutputOf<SelectFins<V>, FinBlock>(&params, state, triangles, edges, vertices);
   }
 };
 
-double Length(const Double3& a) { return std::sqrt(Dot(a, a)); }
-Double3 Get(const float (&v)[3]) { return {double(v[0]), double(v[1]), double(v[2])}; }
 void Set(float (&to)[3], const Double3& v) {
   to[0] = float(v.x);
   to[1] = float(v.y);
@@ -44,16 +33,6 @@ void Set(float (&to)[3], const Double3& v) {
 }
 uint32_t FadeOf(const FinBlock& fins, uint32_t triangle, uint32_t edge) {
   return fins.fade[triangle] >> 8 * edge & 255u;
-}
-
-Double3 RandomUnit(std::mt19937& random) {
-  Double3 d{0.0, 0.0, 0.0};
-  while (Length(d) < 0.1 || Length(d) > 1.0) {
-    d.x = double(Uniform(random, -1.0f, 1.0f));
-    d.y = double(Uniform(random, -1.0f, 1.0f));
-    d.z = double(Uniform(random, -1.0f, 1.0f));
-  }
-  return d * (1.0 / Length(d));
 }
 
 Scene MakeScene(uint32_t live, uint32_t seed) {
@@ -82,10 +61,10 @@ Scene MakeScene(uint32_t live, uint32_t seed) {
 double FacingOf(const Scene& s, uint32_t t, uint32_t k) {
   const ShellVertex& a = s.vertices.vertex[s.triangles.vertex[k][t]];
   const ShellVertex& b = s.vertices.vertex[s.triangles.vertex[(k + 1) % 3][t]];
-  const Double3 edge = Get(b.position) - Get(a.position);
-  const Double3 hair = Get(a.groom) + Get(a.force) + Get(b.groom) + Get(b.force);
+  const Double3 edge = Of(b.position) - Of(a.position);
+  const Double3 hair = Of(a.groom) + Of(a.force) + Of(b.groom) + Of(b.force);
   const Double3 across = Cross(edge, hair);
-  const Double3 to_eye = Get(s.params.eye) - (Get(a.position) + Get(b.position)) * 0.5;
+  const Double3 to_eye = Of(s.params.eye) - (Of(a.position) + Of(b.position)) * 0.5;
   const double size = Length(across) * Length(to_eye);
   return size > 0.0 ? std::abs(Dot(across, to_eye)) / size : 0.0;
 }
@@ -122,35 +101,22 @@ TEST(SelectFins, SameFadesOnEveryVectorAndNoneOfTrianglesThatDoNotLive) {
     if (live > 1) {
       EXPECT_NE(std::count(expected.fade, expected.fade + live, 0u), int(live)) << live;
     }
-    ForEveryVector([&]<class V>(const char* name) {
-      const FinBlock found = scene.Run<V>();
-      EXPECT_EQ(std::memcmp(&found, &expected, sizeof found), 0) << name << " " << live;
-    });
+    ExpectOnEveryVector(
+        expected, [&]<class V> { return scene.Run<V>(); }, live);
   }
 }
 
 // The vertices of a halo lie anywhere in the layer's patches.
 TEST(SelectFins, StandOnVerticesWhereverTheyLie) {
-  constexpr uint32_t kPatches = 3, kPlaces = kPatches * kVerticesPerChunk;
   Scene scene = MakeScene(64, 9);
-  const FinBlock expected = scene.Run<Ref>();
-  test::Blocks<ShellVertexBlock> patches(kPatches);
-  test::Blocks<HaloBlock> halo(1);
-  for (uint32_t i = 0; i < kVerticesPerChunk; ++i) {
-    const uint32_t place = (i * 101 + 5) % kPlaces;  // each another
-    halo[0].vertex[i] = place;
-    patches[place / kVerticesPerChunk].vertex[place % kVerticesPerChunk] = scene.vertices.vertex[i];
-  }
-  ForEveryVector([&]<class V>(const char* name) {
-    FinBlock found;
-    test::Poison(found);
-    test::RunKernel<SelectFins<V>>(scene.params, {{&scene.state, nullptr, 1},
-                                                  {&scene.triangles, nullptr, 1},
-                                                  {&scene.edges, nullptr, 1},
-                                                  patches.BindList(halo[0].vertex),
-                                                  {&found, nullptr, 1}});
-    EXPECT_EQ(std::memcmp(&found, &expected, sizeof found), 0) << name;
-  });
+  Scattered<ShellVertexBlock> patches(scene.vertices, kVerticesPerChunk, 5);
+  ExpectOnEveryVector(
+      scene.Run<Ref>(),
+      [&]<class V> {
+        return OutputOf<SelectFins<V>, FinBlock>(&scene.params, scene.state, scene.triangles,
+                                                 scene.edges, patches.Bind());
+      },
+      "scattered");
 }
 
 // The same on every machine and for ever: a frame's digest is made of these.
@@ -177,7 +143,7 @@ TEST(SelectFins, StandAtTheOutlineOfASphere) {
     std::vector<Double3> out;
     for (uint32_t t = 0; t < kTriangles; ++t) {
       const Double3 up = RandomUnit(random);
-      const Double3 along = Cross(up, RandomUnit(random)), side = along * (1.0 / Length(along));
+      const Double3 side = Unit(Cross(up, RandomUnit(random)));
       out.push_back(up);
       scene.edges.owned[t] = 255;
       for (uint32_t k = 0; k < 3; ++k) {
@@ -271,4 +237,4 @@ TEST(SelectFins, ThatHaveNoPlaneAreNotThere) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

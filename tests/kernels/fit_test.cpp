@@ -50,13 +50,8 @@ std::unique_ptr<FitScene<kPoints>> MakeScene(uint32_t seed, bool weather) {
 
 template <class K, class Scene, class Block>
 void Fit(Scene& s, Block& out) {
-  std::memset(static_cast<void*>(&out), 0xff, sizeof out);
-  RunKernel<K>({{&s.layer, nullptr, 1},
-                {&s.state, nullptr, 1},
-                {&s.strands, nullptr, 1},
-                {&s.roots, nullptr, 1},
-                {&s.points, nullptr, 1},
-                {&out, nullptr, 1}});
+  Poison(out);
+  RunOnBlocks<K>(nullptr, s.layer, s.state, s.strands, s.roots, s.points, out);
 }
 
 // Colour as the header of strand_look.hpp says, byte by byte.
@@ -103,9 +98,9 @@ TEST(FitCubic, DirtAloneIsSeen) {
     ExpectLook(*s, out.record[lane], lane, false);
 }
 
-D3 Evaluate(const CurveRecord& r, double t) {
-  D3 sum;
-  for (int j = 3; j >= 0; --j) sum = sum * t + D3{r.curve[j][0], r.curve[j][1], r.curve[j][2]};
+Double3 Evaluate(const CurveRecord& r, double t) {
+  Double3 sum{};
+  for (int j = 3; j >= 0; --j) sum = sum * t + Of(r.curve[j]);
   return sum;
 }
 
@@ -113,7 +108,8 @@ template <uint32_t kPoints>
 double SumOfSquares(const FitScene<kPoints>& s, const CurveRecord& r, uint32_t lane) {
   double sum = 0.0;
   for (uint32_t i = 0; i + 1 < kPoints; ++i) {
-    const D3 miss = Evaluate(r, double(i + 1) / (kPoints - 1)) - At(s.points.position[i], lane);
+    const Double3 miss =
+        Evaluate(r, double(i + 1) / (kPoints - 1)) - At(s.points.position[i], lane);
     sum += Dot(miss, miss);
   }
   return sum;
@@ -149,7 +145,7 @@ void ExpectTheLeastSquaresFit() {
           double gradient = 0.0;
           for (uint32_t i = 0; i + 1 < kPoints; ++i) {
             const double t = (i + 1) / double(kPoints - 1);
-            const D3 miss = Evaluate(r, t) - At(s->points.position[i], lane);
+            const Double3 miss = Evaluate(r, t) - At(s->points.position[i], lane);
             gradient += std::pow(t, j) * (k == 0 ? miss.x : k == 1 ? miss.y : miss.z);
           }
           EXPECT_LT(std::abs(gradient), 2e-6) << "lane " << lane << " c" << j;
@@ -170,9 +166,7 @@ void ForEachRibbon(Expect expect) {
     Fit<FitRibbon<V, kPoints>>(*s, *ribbons);
     for (uint32_t lane = 0; lane < s->state.live_strands; ++lane) {
       const RibbonRecord& r = ribbons->record[lane];
-      const auto place = [&](uint32_t q) {
-        return D3{r.point[q][0], r.point[q][1], r.point[q][2]};
-      };
+      const auto place = [&](uint32_t q) { return Of(r.point[q]); };
       EXPECT_EQ(Length(place(0) - At(s->roots.position, lane)), 0.0);
       EXPECT_EQ(Length(place(4) - At(s->points.position[kPoints - 2], lane)), 0.0);
       for (uint32_t q = 1; q < 4; ++q) expect(*s, lane, q, place(q));
@@ -184,8 +178,8 @@ void ForEachRibbon(Expect expect) {
 
 // The reference: Neville's scheme in double.
 TEST(FitRibbon, FourPointsLieOnTheCubicThroughThem) {
-  ForEachRibbon<4>([](const FitScene<4>& s, uint32_t lane, uint32_t q, D3 place) {
-    D3 p[4] = {At(s.roots.position, lane)};
+  ForEachRibbon<4>([](const FitScene<4>& s, uint32_t lane, uint32_t q, Double3 place) {
+    Double3 p[4] = {At(s.roots.position, lane)};
     for (int i = 0; i < 3; ++i) p[i + 1] = At(s.points.position[i], lane);
     const double x = 0.75 * q;
     for (int span = 1; span < 4; ++span)
@@ -195,7 +189,7 @@ TEST(FitRibbon, FourPointsLieOnTheCubicThroughThem) {
 }
 template <uint32_t kPoints>
 void ExpectTheStrandsOwnPoints() {
-  ForEachRibbon<kPoints>([](const FitScene<kPoints>& s, uint32_t lane, uint32_t q, D3 place) {
+  ForEachRibbon<kPoints>([](const FitScene<kPoints>& s, uint32_t lane, uint32_t q, Double3 place) {
     EXPECT_EQ(Length(place - At(s.points.position[q * (kPoints - 1) / 4 - 1], lane)), 0.0)
         << "lane " << lane << " point " << q;
   });

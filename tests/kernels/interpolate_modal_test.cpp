@@ -27,28 +27,26 @@ struct Scene {
 
 // Vectors at a chain's nodes.
 struct Links {
-  D3 v[N];
+  Double3 v[N];
 };
 
 Links RestOf(const ModalTableBlock& t, const ChainScene<4>& s, uint32_t lane) {
   const auto groom = GroomOf(s.rest, s.roots, lane);
   Links rest;
   for (int i = 0; i < N; ++i) {
-    D3 sum{};
+    Double3 sum{};
     for (int j = 0; j < N; ++j) {
-      const D3 above = j == 0 ? At(s.roots.position, lane) : groom[size_t(j - 1)];
+      const Double3 above = j == 0 ? At(s.roots.position, lane) : groom[size_t(j - 1)];
       sum = sum + (groom[size_t(j)] - above) * double(t.rest[i][j]);
     }
-    rest.v[i] = sum * (1.0 / Length(sum));
+    rest.v[i] = Unit(sum);
   }
   return rest;
 }
 
 void SetChain(Scene& s, uint32_t lane, const Links& d, const double (&lambda)[N]) {
   for (int i = 0; i < N; ++i) {
-    s.modal.direction[i][0][lane] = float(d.v[i].x);
-    s.modal.direction[i][1][lane] = float(d.v[i].y);
-    s.modal.direction[i][2][lane] = float(d.v[i].z);
+    SetAt(s.modal.direction[i], lane, d.v[i]);
     s.modal.multiplier[i][lane] = float(lambda[i]);
   }
 }
@@ -62,7 +60,7 @@ void SetFrequency(Scene& s, double hz) {
 // Chains whose links lie up to `swing` off the groom, with multipliers up to `tension`.
 std::unique_ptr<Scene> MakeScene(uint32_t seed, double swing, double tension) {
   auto s = std::make_unique<Scene>();
-  std::memset(static_cast<void*>(&s->modal), 0xff, sizeof s->modal);
+  Poison(s->modal);
   MakeOrderly(s->chains, seed);
   std::mt19937 random(seed);
   MakeOrderly(s->strands, seed + 1000, 1 + random() % kStrandsPerChunk);
@@ -78,8 +76,7 @@ std::unique_ptr<Scene> MakeScene(uint32_t seed, double swing, double tension) {
     double lambda[N];
     for (int i = 0; i < N; ++i) {
       const auto off = [&] { return Uniform(random, float(-swing), float(swing)); };
-      d.v[i] = d.v[i] + D3{off(), off(), off()};
-      d.v[i] = d.v[i] * (1.0 / Length(d.v[i]));
+      d.v[i] = Unit(d.v[i] + Double3{off(), off(), off()});
       lambda[i] = Uniform(random, float(-tension), float(tension));
     }
     SetChain(*s, lane, d, lambda);
@@ -88,37 +85,20 @@ std::unique_ptr<Scene> MakeScene(uint32_t seed, double swing, double tension) {
   strands.vertex_count = kVertices;
   for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
     s->strands.rest.strength[lane] = lane % 5 == 0 ? Uniform(random, 0.0f, 1.0f) : 1.0f;
-    float a = Uniform(random, 0.0f, 1.0f), b = Uniform(random, 0.0f, 1.0f);
-    if (a + b > 1.0f) a = 1.0f - a, b = 1.0f - b;
-    const float bary[3] = {a, b, 1.0f - a - b};
-    for (int k = 0; k < 3; ++k) {
-      strands.bary[k][lane] = bary[k];
-      strands.vertex[k][lane] = uint8_t(random() % kVertices);
-    }
+    FollowVertex(strands, lane, kVertices, random);
   }
   return s;
 }
 
 template <class W>
 void RunKernels(Scene& s, PointBlock<4>& out) {
-  std::memset(static_cast<void*>(&out), 0xff, sizeof out);
-  std::memset(static_cast<void*>(&s.loads), 0xff, sizeof s.loads);
-  RunKernel<ChainLoads<W>>({{&s.chains.layer, nullptr, 1},
-                            {&s.table, nullptr, 1},
-                            {&s.chains.state, nullptr, 1},
-                            {&s.chains.rest, nullptr, 1},
-                            {&s.chains.roots, nullptr, 1},
-                            {&s.modal, nullptr, 1},
-                            {&s.parents, nullptr, 1},
-                            {&s.loads, nullptr, 1}});
-  RunKernel<InterpolateModal<W>>(s.strands.params, {{&s.chains.layer, nullptr, 1},
-                                                    {&s.table, nullptr, 1},
-                                                    {&s.chains.state, nullptr, 1},
-                                                    {&s.strands.strands, nullptr, 1},
-                                                    {&s.strands.rest, nullptr, 1},
-                                                    {&s.strands.roots, nullptr, 1},
-                                                    {&s.loads, nullptr, 1},
-                                                    {&out, nullptr, 1}});
+  Poison(out);
+  Poison(s.loads);
+  RunOnBlocks<ChainLoads<W>>(nullptr, s.chains.layer, s.table, s.chains.state, s.chains.rest,
+                             s.chains.roots, s.modal, s.parents, s.loads);
+  RunOnBlocks<InterpolateModal<W>>(&s.strands.params, s.chains.layer, s.table, s.chains.state,
+                                   s.strands.strands, s.strands.rest, s.strands.roots, s.loads,
+                                   out);
 }
 
 // ---- A reference: whole matrices, and elimination without an order to think about --------------
@@ -142,11 +122,9 @@ Links Solve(double (&a)[N][N], Links b) {
   return b;
 }
 
-double StretchOf(const Scene& s, int link, D3 rest, double length) {
+double StretchOf(const Scene& s, int link, Double3 rest, double length) {
   if ((s.chains.layer.flags & kLayerSagFree) == 0) return 0.0;
-  const float* g = s.chains.layer.gravity;
-  const double along = rest.x * double(g[0]) + rest.y * double(g[1]) + rest.z * double(g[2]);
-  return std::max(along, 0.0) / length * double(s.table.pull[link]);
+  return std::max(Dot(rest, Of(s.chains.layer.gravity)), 0.0) / length * double(s.table.pull[link]);
 }
 
 // Directions under the blended loads of the chains' vertices.
@@ -174,31 +152,30 @@ Links Bent(const Scene& s, uint32_t lane) {
     for (int i = 0; i < N; ++i) {
       const double stretch = StretchOf(s, i, chain_rest.v[i], chain_length);
       const double l = double(s.modal.multiplier[i][vertex]) + stretch;
-      const D3 load = force.v[i] + u.v[i] * stretch - d.v[i] * l;
+      const Double3 load = force.v[i] + u.v[i] * stretch - d.v[i] * l;
       push.v[i] = push.v[i] + (load + rest.v[i] * l) * share;
       a[i][i] -= l * share;
     }
   }
   Links d = Solve(a, push);
   for (int i = 0; i < N; ++i) {
-    const D3 to = d.v[i] + rest.v[i];
-    d.v[i] = to * (1.0 / Length(to)) - rest.v[i];
+    d.v[i] = Unit(d.v[i] + rest.v[i]) - rest.v[i];
   }
   return d;
 }
 
 // Points, from the root, cut back to their parts.
-std::vector<D3> Drawn(const Scene& s, uint32_t lane) {
+std::vector<Double3> Drawn(const Scene& s, uint32_t lane) {
   const double length = s.strands.rest.segment_length[lane];
   const Links off = Bent(s, lane);
   const auto groom = GroomOf(s.strands.rest, s.strands.roots, lane);
-  const D3 root = At(s.strands.roots.position, lane);
-  std::vector<D3> out;
-  D3 last{}, shift{};
+  const Double3 root = At(s.strands.roots.position, lane);
+  std::vector<Double3> out;
+  Double3 last{}, shift{};
   for (int q = 0; q < N; ++q) {
-    D3 at = groom[size_t(q)] - root;
+    Double3 at = groom[size_t(q)] - root;
     for (int i = 0; i < N; ++i) at = at + off.v[i] * (length * double(s.table.place[2 * q + 1][i]));
-    const D3 part = at - last;
+    const Double3 part = at - last;
     last = at;
     if (Length(part) > length) shift = shift + part * (length / Length(part) - 1.0);
     at = at + shift;
@@ -206,20 +183,20 @@ std::vector<D3> Drawn(const Scene& s, uint32_t lane) {
   }
   const double strength = double(s.strands.rest.strength[lane]);
   for (int q = 0; q < N; ++q) {
-    const D3 still = groom[size_t(q)] - root;
+    const Double3 still = groom[size_t(q)] - root;
     out[size_t(q)] = still + (out[size_t(q)] - still) * strength;
   }
   return out;
 }
 
-std::vector<D3> Reference(const Scene& s, uint32_t lane, const PointBlock<4>* controls) {
-  const D3 root = At(s.strands.roots.position, lane);
-  const std::vector<D3> drawn = Drawn(s, lane);
-  D3 before{}, at{};
-  std::vector<D3> out;
+std::vector<Double3> Reference(const Scene& s, uint32_t lane, const PointBlock<4>* controls) {
+  const Double3 root = At(s.strands.roots.position, lane);
+  const std::vector<Double3> drawn = Drawn(s, lane);
+  Double3 before{}, at{};
+  std::vector<Double3> out;
   for (int i = 0; i < N; ++i) {
-    const D3 free = drawn[size_t(i)];
-    D3 to = free;
+    const Double3 free = drawn[size_t(i)];
+    Double3 to = free;
     if (controls) {
       const double share = double(s.chains.layer.clump) * (i + 1) / N;
       to = to + (At(controls->position[i], s.strands.strands.control[lane]) - root - to) * share;
@@ -302,23 +279,15 @@ TEST(ChainLoads, ChainsLeftOutFollowTheirParents) {
     }
 }
 
-void ExpectOnGroom(const Scene& s, const PointBlock<4>& out) {
-  for (uint32_t lane = 0; lane < s.strands.state.live_strands; ++lane) {
-    const auto groom = GroomOf(s.strands.rest, s.strands.roots, lane);
-    for (int i = 0; i < N; ++i)
-      EXPECT_LT(Length(At(out.position[i], lane) - groom[size_t(i)]), 2e-6) << lane;
-  }
-}
-
 // Sag-free chains too, that start or have come to rest.
 TEST(InterpolateModal, ChainsOnTheirGroomLeaveStrandsOnTheirs) {
   auto out = std::make_unique<PointBlock<4>>();
   auto s = MakeScene(5, 0.0, 0.0);
   RunKernels<V>(*s, *out);
-  ExpectOnGroom(*s, *out);
+  ExpectOnGroom(s->strands, *out);
   s->chains.layer.flags |= kLayerSagFree;
   RunKernels<V>(*s, *out);
-  ExpectOnGroom(*s, *out);
+  ExpectOnGroom(s->strands, *out);
   for (uint32_t lane = 0; lane < kVerticesPerChunk; ++lane) {
     const Links rest = RestOf(s->table, s->chains, lane);
     double lambda[N];
@@ -327,7 +296,7 @@ TEST(InterpolateModal, ChainsOnTheirGroomLeaveStrandsOnTheirs) {
     SetChain(*s, lane, rest, lambda);
   }
   RunKernels<V>(*s, *out);
-  ExpectOnGroom(*s, *out);
+  ExpectOnGroom(s->strands, *out);
 }
 
 // Pressed down hard, chains that are out of the skin leave no strand in it.
@@ -337,10 +306,10 @@ TEST(InterpolateModal, StrandsStayOutOfTheSkin) {
     RunKernels<V>(s, *out);
     double depth = 0.0;
     for (uint32_t lane = 0; lane < s.strands.state.live_strands; ++lane) {
-      const D3 root = At(s.strands.roots.position, lane), n = At(s.strands.roots.normal, lane);
+      const Double3 root = At(s.strands.roots.position, lane), n = At(s.strands.roots.normal, lane);
       for (int i = 0; i < N; ++i) {
-        const D3 off = At(out->position[i], lane) - root;
-        depth = std::max(depth, -(off.x * n.x + off.y * n.y + off.z * n.z));
+        const Double3 off = At(out->position[i], lane) - root;
+        depth = std::max(depth, -Dot(off, n));
       }
     }
     return depth;
@@ -349,7 +318,7 @@ TEST(InterpolateModal, StrandsStayOutOfTheSkin) {
   s->chains.state.flags = 0;
   const double length = 0.01;  // of a link, about
   EXPECT_GT(deepest(*s), 0.5 * length);
-  s->chains.layer.surface_hardness = s->chains.layer.drawn_hardness = 1.0f;
+  s->chains.layer.surface_hardness = s->chains.layer.modal.drawn_hardness = 1.0f;
   EXPECT_LT(deepest(*s), 1e-4 * length);
   // What a substep would take is the chains'.
   s->chains.layer.surface_hardness = 0.01f;
@@ -368,7 +337,7 @@ TEST(InterpolateModal, NoPartGetsLongerUnderAnyMultiplier) {
     s->strands.position = *out;
     for (uint32_t lane = 0; lane < s->strands.state.live_strands; ++lane)
       for (int i = 0; i < N; ++i) {
-        const D3 above =
+        const Double3 above =
             i == 0 ? At(s->strands.roots.position, lane) : At(out->position[i - 1], lane);
         EXPECT_LT(Length(At(out->position[i], lane) - above),
                   double(s->strands.rest.segment_length[lane]) * (1.0 + 1e-4) + 1e-6)
@@ -379,31 +348,19 @@ TEST(InterpolateModal, NoPartGetsLongerUnderAnyMultiplier) {
 
 TEST(InterpolateModal, DegenerateStrandsStayFinite) {
   auto s = MakeScene(9, 0.5, 100.0);
-  std::memset(static_cast<void*>(&s->strands.rest), 0, sizeof s->strands.rest);
-  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
-    s->chains.rest.segment_length[lane] = 0.0f;
   auto out = std::make_unique<PointBlock<4>>();
+  MakeDegenerate(s->chains, s->strands);
   RunKernels<V>(*s, *out);
-  for (uint32_t lane = 0; lane < s->strands.state.live_strands; ++lane)
-    for (int i = 0; i < N; ++i)
-      EXPECT_TRUE(std::isfinite(Length(At(out->position[i], lane)))) << lane;
+  ExpectFinite(s->strands, *out);
 }
 
 TEST(InterpolateModal, SameBitsOnEveryVector) {
-  auto wanted = std::make_unique<PointBlock<4>>(), got = std::make_unique<PointBlock<4>>();
-  auto loads = std::make_unique<LoadBlock>();
   for (uint32_t seed = 1; seed <= 6; ++seed) {
     auto s = MakeScene(seed, 0.5, 100.0);
     if (seed % 2) s->chains.layer.flags |= kLayerClump;
     if (seed % 3 == 0) s->chains.layer.flags |= kLayerSagFree;
     s->chains.layer.surface_hardness = seed % 2 ? 0.5f : 0.0f;
-    RunKernels<V>(*s, *wanted);
-    *loads = s->loads;
-    ForEveryVector([&]<class W>(const char* name) {
-      RunKernels<W>(*s, *got);
-      EXPECT_EQ(std::memcmp(loads.get(), &s->loads, sizeof *loads), 0) << name << " " << seed;
-      EXPECT_EQ(std::memcmp(wanted.get(), got.get(), sizeof *got), 0) << name << " " << seed;
-    });
+    ExpectSamePointsEverywhere(*s, seed, [&]<class W>(auto& out) { RunKernels<W>(*s, out); });
   }
 }
 

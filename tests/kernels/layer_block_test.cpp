@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace pelt {
+namespace pelt::test {
 namespace {
 
 constexpr float kGravity[3] = {0.0f, -9.81f, 0.0f};
@@ -34,16 +34,16 @@ TEST(LayerBlock, DryAndCleanIsTheSetup) {
                               kLayerBlows | kLayerSimulate | kLayerModal));
   EXPECT_EQ(b.gravity[1], -9.81f);
   EXPECT_EQ(b.scale, 1.0f);
-  EXPECT_EQ(b.shrink, 1.0f);
+  EXPECT_EQ(b.modal.shrink, 1.0f);
   EXPECT_EQ(b.motion_follow, 0.0f);
-  EXPECT_EQ(b.turn_follow, 0.0f);
-  EXPECT_EQ(b.fastest_felt, 0.0f);
-  EXPECT_EQ(b.friction, 0.0f);
+  EXPECT_EQ(b.modal.turn_follow, 0.0f);
+  EXPECT_EQ(b.modal.fastest_felt, 0.0f);
+  EXPECT_EQ(b.modal.friction, 0.0f);
   params.friction = 0.5f;
-  EXPECT_EQ(Fill(params, {}).friction, 0.5f);
+  EXPECT_EQ(Fill(params, {}).modal.friction, 0.5f);
   params.solver = Solver::kPbd;
-  EXPECT_FLOAT_EQ(Fill(params, {}).velocity_keep, std::exp(-3.0f / 60.0f));
-  EXPECT_EQ(b.angular_middle, params.angular_hardness_middle);
+  EXPECT_FLOAT_EQ(Fill(params, {}).link.velocity_keep, std::exp(-3.0f / 60.0f));
+  EXPECT_EQ(Fill(params, {}).link.angular_middle, params.angular_hardness_middle);
   EXPECT_EQ(b.darken, 1.0f);
   EXPECT_EQ(b.dirt, 0.0f);
   EXPECT_EQ(b.clump, 0.0f);
@@ -60,10 +60,10 @@ TEST(LayerBlock, WhatIsDrawnLeavesASoftSkinByTheSameShareAtEveryRate) {
                           nullptr, 1.0f, push_ratio);
   };
   EXPECT_LT(at(0.1).surface_hardness, 0.2f);
-  EXPECT_EQ(at(0.1).drawn_hardness, 0.75f);
-  EXPECT_EQ(at(2.0).drawn_hardness, 0.75f);
+  EXPECT_EQ(at(0.1).modal.drawn_hardness, 0.75f);
+  EXPECT_EQ(at(2.0).modal.drawn_hardness, 0.75f);
   params.surface_hardness = 1.0f;
-  EXPECT_EQ(at(0.1).drawn_hardness, 1.0f);
+  EXPECT_EQ(at(0.1).modal.drawn_hardness, 1.0f);
 }
 
 TEST(LayerBlock, EveryKindHasItsFlag) {
@@ -89,8 +89,8 @@ TEST(LayerBlock, WetIsHeavierClumpedSofterDarker) {
   EXPECT_FLOAT_EQ(wet.gravity[1], -9.81f * params.wet_weight);
   EXPECT_FLOAT_EQ(wet.clump, params.wet_clump);
   EXPECT_FLOAT_EQ(wet.darken, params.wet_darken);
-  EXPECT_FLOAT_EQ(wet.angular_end, params.angular_hardness_end * params.wet_hardness);
-  EXPECT_FLOAT_EQ(wet.stiffness, params.stiffness * params.wet_hardness);
+  EXPECT_FLOAT_EQ(wet.link.angular_end, params.angular_hardness_end * params.wet_hardness);
+  EXPECT_FLOAT_EQ(wet.link.stiffness, params.stiffness * params.wet_hardness);
   EXPECT_TRUE(wet.flags & kLayerClump);
   EXPECT_LT(damp.darken, dry.darken);
   EXPECT_GT(damp.darken, wet.darken);
@@ -111,9 +111,9 @@ TEST(LayerBlock, WetSharesAreWhatIsLeft) {
   EXPECT_FLOAT_EQ(damp.clump, 0.55f);
   EXPECT_FLOAT_EQ(wet.darken, 0.2f) << "a fifth of the brightness is left";
   EXPECT_FLOAT_EQ(damp.darken, 0.6f);
-  EXPECT_FLOAT_EQ(wet.angular_end, 0.2f * params.angular_hardness_end) << "and of the hardness";
-  EXPECT_FLOAT_EQ(wet.angular_middle, 0.2f * params.angular_hardness_middle);
-  EXPECT_FLOAT_EQ(wet.stiffness, 0.2f * params.stiffness);
+  EXPECT_FLOAT_EQ(wet.link.angular_end, 0.2f * params.angular_hardness_end) << "and of hardness";
+  EXPECT_FLOAT_EQ(wet.link.angular_middle, 0.2f * params.angular_hardness_middle);
+  EXPECT_FLOAT_EQ(wet.link.stiffness, 0.2f * params.stiffness);
   const double dry_hz = LayerRod(params, {}, 0.1f, false).frequency_hz;
   EXPECT_NEAR(LayerRod(params, {1.0f, 0.0f}, 0.1f, false).frequency_hz, dry_hz * std::sqrt(0.2),
               1e-6);
@@ -126,8 +126,8 @@ TEST(LayerBlock, ASagFreeGroomIsHeldAgainstItsDryWeight) {
   params.weight = 2.0f;
   params.wet_weight = 3.0f;
   const LayerBlock dry = Fill(params, {}), wet = Fill(params, {1.0f, 0.0f});
-  EXPECT_FLOAT_EQ(dry.rest_gravity, 9.81f * 2.0f);
-  EXPECT_EQ(wet.rest_gravity, dry.rest_gravity);
+  EXPECT_FLOAT_EQ(dry.modal.rest_gravity, 9.81f * 2.0f);
+  EXPECT_EQ(wet.modal.rest_gravity, dry.modal.rest_gravity);
   EXPECT_FLOAT_EQ(wet.gravity[1], -9.81f * 2.0f * 3.0f);
 }
 
@@ -157,4 +157,4 @@ TEST(LayerBlock, ChangedComparesWithLastFrame) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

@@ -12,12 +12,8 @@
 
 #include "tests/kernels/run_kernel.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
-
-using test::ForEveryVector;
-using test::RunOnBlocks;
-using test::Uniform;
 
 constexpr double kPi = std::numbers::pi;
 using Direction = std::array<double, 3>;
@@ -69,19 +65,20 @@ std::array<double, 16> Project(const std::function<double(const Direction&)>& ra
   return sum;
 }
 
+template <class V>
+LayerLightBlock LightOf(const LightLayerParams& params, const BoundsBlock& bounds) {
+  return OutputOf<LightLayer<V>, LayerLightBlock>(&params, bounds);
+}
+
 // Around the origin.
 LayerLightBlock Light(const Lighting& lighting, const float (&centre)[3] = {0.0f, 0.0f, 0.0f}) {
-  const LightLayerParams params{lighting};
   BoundsBlock bounds;
-  LayerLightBlock out;
-  test::Poison(bounds);
-  test::Poison(out);
+  Poison(bounds);
   for (int k = 0; k < 3; ++k) {
     bounds.low[k] = centre[k] - 0.5f;
     bounds.high[k] = centre[k] + 0.5f;
   }
-  RunOnBlocks<LightLayer<ArrayVec<4>>>(&params, bounds, out);
-  return out;
+  return LightOf<ArrayVec<4>>({lighting}, bounds);
 }
 
 Lighting OneLight(const SphereLight& light) {
@@ -312,17 +309,11 @@ TEST(LightLayer, SameBlockOnEveryVector) {
     const LightLayerParams params{Full(seed)};
     BoundsBlock bounds{};
     bounds.high[1] = 0.1f * float(seed);
-    LayerLightBlock expected;
-    test::Poison(expected);
-    RunOnBlocks<LightLayer<ArrayVec<4>>>(&params, bounds, expected);
-    ForEveryVector([&]<class V>(const char* name) {
-      LayerLightBlock found;
-      test::Poison(found);
-      RunOnBlocks<LightLayer<V>>(&params, bounds, found);
-      EXPECT_EQ(std::memcmp(&found, &expected, sizeof found), 0) << name << " " << seed;
-    });
+    ExpectOnEveryVector(
+        LightOf<ArrayVec<4>>(params, bounds), [&]<class V> { return LightOf<V>(params, bounds); },
+        seed);
   }
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

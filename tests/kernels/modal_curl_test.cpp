@@ -25,13 +25,13 @@ ModalTableBlock MakeTable() {
   return t;
 }
 
-Vec3<V> Splat(D3 v) { return {V(float(v.x)), V(float(v.y)), V(float(v.z))}; }
+Vec3<V> Splat(Double3 v) { return {V(float(v.x)), V(float(v.y)), V(float(v.z))}; }
 
 struct Pull {
-  D3 at[N];
+  Double3 at[N];
   double Size() const { return Length(at[0]) + Length(at[1]) + Length(at[2]); }
 };
-Pull PullOn(const ModalTableBlock& t, const D3 (&u)[N], const D3 (&r)[N]) {
+Pull PullOn(const ModalTableBlock& t, const Double3 (&u)[N], const Double3 (&r)[N]) {
   Vec3<V> to[N], rest[N], force[N];
   for (uint32_t i = 0; i < N; ++i) to[i] = Splat(u[i]), rest[i] = Splat(r[i]);
   modal::PullOfCurl<V, N>(t, to, rest, force);
@@ -41,13 +41,13 @@ Pull PullOn(const ModalTableBlock& t, const D3 (&u)[N], const D3 (&r)[N]) {
   return pull;
 }
 
-D3 Leaning(double angle) { return {std::sin(angle), 0.0, std::cos(angle)}; }
+Double3 Leaning(double angle) { return {std::sin(angle), 0.0, std::cos(angle)}; }
 
 TEST(ModalCurl, PullsNothingAtRestNorOnWhatIsStraight) {
   const ModalTableBlock t = MakeTable();
-  const D3 curled[N] = {Leaning(0.1), Leaning(0.4), Leaning(0.9)};
-  const D3 straight[N] = {Leaning(0.2), Leaning(0.2), Leaning(0.2)};
-  const D3 swung[N] = {{0.1, 0.3, std::sqrt(0.9)}, {0.0, 0.6, 0.8}, {-0.6, 0.8, 0.0}};
+  const Double3 curled[N] = {Leaning(0.1), Leaning(0.4), Leaning(0.9)};
+  const Double3 straight[N] = {Leaning(0.2), Leaning(0.2), Leaning(0.2)};
+  const Double3 swung[N] = {{0.1, 0.3, std::sqrt(0.9)}, {0.0, 0.6, 0.8}, {-0.6, 0.8, 0.0}};
   const double pull = PullOn(t, swung, curled).Size();
   EXPECT_GT(pull, 10.0);
   EXPECT_LT(PullOn(t, curled, curled).Size(), 1e-5 * pull);
@@ -58,8 +58,8 @@ TEST(ModalCurl, PullsNothingAtRestNorOnWhatIsStraight) {
 // is what is taken back.
 TEST(ModalCurl, StaysBoundedWhereNoRotationIsTheSmallest) {
   const ModalTableBlock t = MakeTable();
-  const D3 curled[N] = {Leaning(0.1), Leaning(0.4), Leaning(0.9)};
-  D3 back[N];
+  const Double3 curled[N] = {Leaning(0.1), Leaning(0.4), Leaning(0.9)};
+  Double3 back[N];
   for (uint32_t i = 0; i < N; ++i) back[i] = curled[i] * -1.0;
   const double pull = PullOn(t, back, curled).Size();
   EXPECT_TRUE(std::isfinite(pull));

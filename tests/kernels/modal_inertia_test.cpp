@@ -15,44 +15,33 @@ std::unique_ptr<Scene> MakeScene(double damping = 0.05, double drag = 1.0) {
   std::mt19937 random(11);
   for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
     const double a = 0.4 * lane;
-    std::vector<Point3> links;
+    std::vector<Double3> links;
     for (int i = 0; i < 4; ++i) {
-      const Point3 d{std::cos(a + 0.1 * i), std::sin(a + 0.1 * i), 0.8};
-      links.push_back(d * (1.0 / Norm(d)));
+      const Double3 d{std::cos(a + 0.1 * i), std::sin(a + 0.1 * i), 0.8};
+      links.push_back(Unit(d));
     }
     s->SetRest(lane, 0.02, links);
   }
   return s;
 }
 
-Point3 TurnedAboutY(Point3 p, double angle) {
+Double3 TurnedAboutY(Double3 p, double angle) {
   const double c = std::cos(angle), s = std::sin(angle);
   return {c * p.x + s * p.z, p.y, c * p.z - s * p.x};
 }
 
 // The skin at `to`, turned about the vertical.
-void Place(Scene& s, Point3 to, double angle) {
-  const Point3 normal = TurnedAboutY({0, 0, 1}, angle), tangent = TurnedAboutY({1, 0, 0}, angle);
-  const double n[3] = {normal.x, normal.y, normal.z}, t[3] = {tangent.x, tangent.y, tangent.z};
+void Place(Scene& s, Double3 to, double angle) {
+  const Double3 normal = TurnedAboutY({0, 0, 1}, angle), tangent = TurnedAboutY({1, 0, 0}, angle);
   for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
     s.MoveRoot(lane, to);
-    for (int k = 0; k < 3; ++k) {
-      s.roots.normal[k][lane] = float(n[k]);
-      s.roots.tangent[k][lane] = float(t[k]);
-    }
+    s.SetFrame(lane, normal, tangent);
   }
 }
 
 // Of a root that was on its way before the first frame.
-void SetOff(Scene& s, Point3 speed) {
-  const double v[3] = {speed.x, speed.y, speed.z};
-  for (int k = 0; k < 3; ++k)
-    for (float& motion : s.roots.motion[k]) motion = float(v[k] * kDt);
-}
-
-Point3 Direction(const Scene& s, uint32_t lane, uint32_t link) {
-  const auto& d = s.chain.direction[link];
-  return {d[0][lane], d[1][lane], d[2][lane]};
+void SetOff(Scene& s, Double3 speed) {
+  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) SetAt(s.roots.motion, lane, speed * kDt);
 }
 
 // The largest angle, rad, between links of two scenes, each turned back by its angle.
@@ -60,12 +49,12 @@ double Apart(const Scene& a, double angle_a, const Scene& b, double angle_b) {
   double worst = 0.0;
   for (uint32_t lane = 0; lane < 16; ++lane)
     for (uint32_t i = 0; i < 3; ++i)
-      worst = std::max(worst, Norm(TurnedAboutY(Direction(a, lane, i), -angle_a) +
-                                   TurnedAboutY(Direction(b, lane, i), -angle_b) * -1.0));
+      worst = std::max(worst, Length(TurnedAboutY(At(a.chain.direction[i], lane), -angle_a) -
+                                     TurnedAboutY(At(b.chain.direction[i], lane), -angle_b)));
   return worst;
 }
 
-Point3 Shaken(double t) { return {0.1 * std::sin(9.0 * t), 0.05 * std::sin(14.0 * t), 0.3 * t}; }
+Double3 Shaken(double t) { return {0.1 * std::sin(9.0 * t), 0.05 * std::sin(14.0 * t), 0.3 * t}; }
 double Yaw(double t) { return 2.0 * std::sin(3.0 * t) + t; }
 
 TEST(ModalInertia, HalfOfItIsARootThatMovesHalfAsFar) {
@@ -92,7 +81,7 @@ TEST(ModalInertia, HalfOfItIsARootThatMovesHalfAsFar) {
 // About the vertical, as gravity does not turn.
 TEST(ModalInertia, WithoutTurnsAStrandTurnsWithItsRoot) {
   auto still = MakeScene(), carried = MakeScene(), free = MakeScene();
-  carried->layer.turn_follow = 1.0f;
+  carried->layer.modal.turn_follow = 1.0f;
   double worst = 0.0, worst_free = 0.0;
   for (int f = 0; f < 120; ++f) {
     const double yaw = Yaw(f * kDt);
@@ -110,11 +99,11 @@ TEST(ModalInertia, WithoutTurnsAStrandTurnsWithItsRoot) {
 // Nor does what its root does besides become something else.
 TEST(ModalInertia, TurnsLeaveTheRootsPathAlone) {
   auto moving = MakeScene(0.05, 0.0), standing = MakeScene(0.05, 0.0);
-  for (Scene* s : {moving.get(), standing.get()}) s->layer.turn_follow = 0.7f;
+  for (Scene* s : {moving.get(), standing.get()}) s->layer.modal.turn_follow = 0.7f;
   double worst = 0.0;
   for (int f = 0; f < 120; ++f) {
     const double yaw = Yaw(f * kDt);
-    const Point3 speed{3.0, -1.0, 2.0};
+    const Double3 speed{3.0, -1.0, 2.0};
     Place(*moving, speed * (f * kDt), yaw);
     if (f == 0) SetOff(*moving, speed);
     Place(*standing, {0, 0, 0}, yaw);
@@ -128,7 +117,7 @@ TEST(ModalInertia, TurnsLeaveTheRootsPathAlone) {
 TEST(ModalInertia, IsTheSameAtEveryFrameRate) {
   const auto apart_at = [](int rate) {
     auto whole = MakeScene(), part = MakeScene();
-    whole->layer.turn_follow = 0.5f;
+    whole->layer.modal.turn_follow = 0.5f;
     double worst = 0.0;
     for (int f = 0; f <= rate; ++f) {
       const double t = double(f) / rate, yaw = 2.0 * std::sin(3.0 * t);
@@ -149,7 +138,7 @@ TEST(ModalInertia, IsTheSameAtEveryFrameRate) {
 
 TEST(ModalInertia, NothingFasterIsFelt) {
   auto limited = MakeScene(), slow = MakeScene(), none = MakeScene();
-  limited->layer.fastest_felt = float(0.5 * kDt);
+  limited->layer.modal.fastest_felt = float(0.5 * kDt);
   double x = 0.0, felt = 0.0;
   for (int f = 0; f < 60; ++f) {
     const double speed = f > 20 && f < 30 ? 4.0 : 0.3 * std::sin(0.3 * f);
@@ -169,23 +158,22 @@ TEST(ModalInertia, GrowingLinksFeelNothingOfAnEvenMotion) {
   auto moving = MakeScene(0.05, 0.0), standing = MakeScene(0.05, 0.0);
   double worst = 0.0;
   for (int f = 0; f < 120; ++f) {
-    const Point3 speed{4.0, 0.0, -3.0};
+    const Double3 speed{4.0, 0.0, -3.0};
     Place(*moving, speed * (f * kDt), 0.0);
     if (f == 0) SetOff(*moving, speed);
     Place(*standing, {0, 0, 0}, 0.0);
     const float scale = 1.0f + float(std::min(f, 60)) / 60.0f;
     for (Scene* s : {moving.get(), standing.get()}) {
-      s->layer.shrink = s->layer.scale / scale;
+      s->layer.modal.shrink = s->layer.scale / scale;
       s->layer.scale = scale;
       s->Step(kDt);
     }
     worst = std::max(worst, Apart(*moving, 0.0, *standing, 0.0));
     // Points are as far apart as the parts have grown, but for what those are bent.
     for (uint32_t lane = 0; lane < 16; ++lane) {
-      const Point3 first{moving->position.position[0][0][lane] - moving->roots.position[0][lane],
-                         moving->position.position[0][1][lane] - moving->roots.position[1][lane],
-                         moving->position.position[0][2][lane] - moving->roots.position[2][lane]};
-      ASSERT_NEAR(Norm(first), 0.02 * scale, 0.03 * 0.02) << f;
+      const Double3 first =
+          At(moving->position.position[0], lane) - At(moving->roots.position, lane);
+      ASSERT_NEAR(Length(first), 0.02 * scale, 0.03 * 0.02) << f;
     }
   }
   EXPECT_LT(worst, 2e-3);
@@ -195,25 +183,20 @@ TEST(ModalInertia, GrowingLinksFeelNothingOfAnEvenMotion) {
 TEST(ModalInertia, StaysFiniteAndKeepsItsLength) {
   for (const float follow : {0.3f, 1.0f}) {
     auto s = MakeScene();
-    s->layer.turn_follow = s->layer.motion_follow = follow;
-    s->layer.fastest_felt = 0.01f;
+    s->layer.modal.turn_follow = s->layer.motion_follow = follow;
+    s->layer.modal.fastest_felt = 0.01f;
     std::mt19937 random(3);
     for (int f = 0; f < 300; ++f) {
       const double wild = f < 200 ? 1.0 : 0.0;
       for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
-        const Point3 to = RandomUnit(random) * wild, n = RandomUnit(random), e = RandomUnit(random);
+        const Double3 to = RandomUnit(random) * wild, n = RandomUnit(random),
+                      e = RandomUnit(random);
         s->MoveRoot(lane, to);
         if (wild == 0.0) continue;
-        const double along = n.x * e.x + n.y * e.y + n.z * e.z;
-        const Point3 t = e + n * -along, unit = t * (1.0 / std::max(Norm(t), 1e-3));
-        const Point3 normal = n * (1.0 / Norm(n));
-        const double rows[2][3] = {{normal.x, normal.y, normal.z}, {unit.x, unit.y, unit.z}};
-        for (int k = 0; k < 3; ++k) {
-          s->roots.normal[k][lane] = float(rows[0][k]);
-          s->roots.tangent[k][lane] = float(rows[1][k]);
-        }
+        const Double3 t = e + n * -Dot(n, e), unit = t * (1.0 / std::max(Length(t), 1e-3));
+        s->SetFrame(lane, Unit(n), unit);
       }
-      s->layer.shrink = f % 50 == 0 ? 100.0f : f % 50 == 1 ? 0.01f : 1.0f;
+      s->layer.modal.shrink = f % 50 == 0 ? 100.0f : f % 50 == 1 ? 0.01f : 1.0f;
       s->Step(f % 3 ? kDt : 1.0 / 24.0);
       ASSERT_LT(s->Stretch(), 1e-5) << f;
     }
@@ -223,7 +206,7 @@ TEST(ModalInertia, StaysFiniteAndKeepsItsLength) {
 // A root that does not turn is as if nothing had been said of turns.
 TEST(ModalInertia, OfTurnsIsNotAskedWhereThereAreNone) {
   auto with = MakeScene(), without = MakeScene();
-  with->layer.turn_follow = 0.5f;
+  with->layer.modal.turn_follow = 0.5f;
   for (int f = 0; f < 60; ++f) {
     for (Scene* s : {with.get(), without.get()}) Place(*s, Shaken(f * kDt), 0.3), s->Step(kDt);
     ASSERT_EQ(0, std::memcmp(&with->chain, &without->chain, sizeof with->chain)) << f;
@@ -231,16 +214,13 @@ TEST(ModalInertia, OfTurnsIsNotAskedWhereThereAreNone) {
 }
 
 TEST(ModalInertia, SameBitsOnEverySet) {
-  std::vector<std::pair<Isa, std::unique_ptr<Scene>>> sets;
-  for (const Isa isa : kAllIsas)
-    if (FindKernels(isa)) sets.emplace_back(isa, MakeScene());
-  ASSERT_GT(sets.size(), 1u);
+  const auto sets = OnEverySet([] { return MakeScene(); });
   for (int f = 0; f < 60; ++f)
     for (auto& [isa, s] : sets) {
       s->layer.motion_follow = 0.3f;
-      s->layer.turn_follow = 0.4f;
-      s->layer.fastest_felt = 0.02f;
-      s->layer.shrink = f % 9 == 5 ? 0.9f : 1.0f;
+      s->layer.modal.turn_follow = 0.4f;
+      s->layer.modal.fastest_felt = 0.02f;
+      s->layer.modal.shrink = f % 9 == 5 ? 0.9f : 1.0f;
       Place(*s, Shaken(f * kDt), Yaw(f * kDt));
       s->Step(f % 7 == 3 ? 1.0 / 30.0 : f % 31 == 30 ? 0.2 : kDt, isa);
       const Scene& first = *sets[0].second;

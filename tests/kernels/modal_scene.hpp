@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "core/exact_math.hpp"
@@ -15,23 +16,9 @@
 
 namespace pelt::test {
 
-struct Point3 {
-  double x, y, z;
-  friend Point3 operator+(Point3 a, Point3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-  friend Point3 operator-(Point3 a, Point3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-  friend Point3 operator*(Point3 a, double s) { return {a.x * s, a.y * s, a.z * s}; }
-};
-inline double Norm(Point3 a) { return std::sqrt(a.x * a.x + a.y * a.y + a.z * a.z); }
-
 inline constexpr double kDt = 1.0 / 60.0;
-
-inline Point3 RandomUnit(std::mt19937& random) {
-  for (;;) {
-    const Point3 p = {Uniform(random, -1, 1), Uniform(random, -1, 1), Uniform(random, -1, 1)};
-    const double length = Norm(p);
-    if (length > 0.1 && length < 1.0) return p * (1.0 / length);
-  }
-}
+inline constexpr ModalQuality kQualities[] = {ModalQuality::kFast, ModalQuality::kFine,
+                                              ModalQuality::kBest};
 
 // A chain of links of length one, 3 or 4 of them: what motions of known solution are of. `stiffness`: of the joint
 // above each link; `mass`: of the point below it.
@@ -92,31 +79,46 @@ struct ModalScene {
     Poison(position);
     layer.flags = kLayerEnabled | kLayerSimulate;
     layer.gravity[1] = -9.81f;
-    layer.scale = layer.shrink = layer.frame_ratio = 1.0f;
+    layer.scale = layer.modal.shrink = layer.frame_ratio = 1.0f;
     state.flags = kChunkRestart;
     state.live_strands = state.first_new_strand = lanes;
     for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
       roots.normal[2][lane] = roots.tangent[0][lane] = 1.0f;
       rest.strength[lane] = 1.0f;
-      SetRest(lane, 0.01, std::vector<Point3>(kParts, {1, 0, 0}));
     }
+    SetRest(0.01, {1, 0, 0});
   }
-  void SetRest(uint32_t lane, double link, const std::vector<Point3>& d) {
-    Point3 at{};
+  void SetRest(uint32_t lane, double link, const std::vector<Double3>& d) {
+    Double3 at{};
     rest.segment_length[lane] = float(link);
-    for (uint32_t i = 0; i < kParts; ++i) {
-      at = at + d[i] * link;
-      rest.offset[i][0][lane] = float(at.x);
-      rest.offset[i][1][lane] = float(at.y);
-      rest.offset[i][2][lane] = float(at.z);
-    }
+    for (uint32_t i = 0; i < kParts; ++i) SetAt(rest.offset[i], lane, at = at + d[i] * link);
   }
-  void SetDirection(uint32_t lane, uint32_t link, Point3 d) {
-    chain.direction[link][0][lane] = float(d.x);
-    chain.direction[link][1][lane] = float(d.y);
-    chain.direction[link][2][lane] = float(d.z);
+  void SetRest(uint32_t lane, double link, Double3 straight) {
+    SetRest(lane, link, std::vector<Double3>(kParts, straight));
   }
-  void MoveRoot(uint32_t lane, Point3 to) {
+  void SetRest(double link, Double3 straight) {
+    for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) SetRest(lane, link, straight);
+  }
+  void SetDirection(uint32_t lane, uint32_t link, Double3 d) {
+    SetAt(chain.direction[link], lane, d);
+  }
+  void SetFrame(uint32_t lane, Double3 normal, Double3 tangent) {
+    SetAt(roots.normal, lane, normal);
+    SetAt(roots.tangent, lane, tangent);
+  }
+  void AddGround() {
+    params.use_ground = 1;
+    params.ground[1] = 1.0f;
+  }
+  void AddSphere(float radius) {
+    params.sphere_count = 1;
+    params.sphere[0][3] = radius;
+  }
+  void PullDown() {  // along z, into the skin
+    layer.gravity[1] = 0.0f;
+    layer.gravity[2] = -9.81f;
+  }
+  void MoveRoot(uint32_t lane, Double3 to) {
     const float p[3] = {float(to.x), float(to.y), float(to.z)};
     for (int k = 0; k < 3; ++k) {
       roots.motion[k][lane] = (state.flags & kChunkRestart) ? 0 : p[k] - roots.position[k][lane];
@@ -124,9 +126,10 @@ struct ModalScene {
     }
   }
   void HoldRoots() { std::memset(roots.motion, 0, sizeof roots.motion); }
-  Point3 Tip(uint32_t lane) const {
-    const auto& p = position.position[kParts - 1];
-    return {p[0][lane], p[1][lane], p[2][lane]};
+  Double3 Tip(uint32_t lane) const { return At(position.position[kParts - 1], lane); }
+  void ForEachPoint(auto visit) const {  // visit(lane, place)
+    for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
+      for (const auto& rows : position.position) visit(lane, At(rows, lane));
   }
   void Step(double dt, Isa isa = BestIsa()) {
     times = times.dt_s[0] > 0 ? NextTimes(times, dt) : FrameTimes{{dt, dt, dt}};
@@ -135,27 +138,18 @@ struct ModalScene {
     Run(isa);
     state.flags = flags;
   }
-  // The kernel as it is built for an instruction set: compiling it again for each test takes
-  // minutes.
   void Run(Isa isa) {
-    if (at_vertices) return RunAtVertices(isa);
-    const auto one = [](auto& block) { return Binding{&block, nullptr, 1}; };
-    const Binding bindings[] = {one(layer), one(table),   one(state), one(rest),    one(roots),
-                                one(wind),  one(strands), one(chain), one(position)};
-    const KernelDesc& kernel = *FindKernels(isa)->Find(
-        ByPoints<kPoints>("simulate_modal_4", "simulate_modal_5", "simulate_modal_9"));
-    ASSERT_EQ(kernel.ports.size(), std::size(bindings));
-    kernel.run(&params, bindings);
-  }
-  void RunAtVertices(Isa isa) {
+    const FrameTable& kernels = *FindKernels(isa);
+    if (!at_vertices) {
+      RunOnBlocks(*kernels.Find(ByPoints<kPoints>("simulate_modal_4", "simulate_modal_5",
+                                                  "simulate_modal_9")),
+                  &params, layer, table, state, rest, roots, wind, strands, chain, position);
+      return;
+    }
     state.live_chains = state.live_strands;
     state.first_new_chain = state.first_new_strand;
-    const auto one = [](auto& block) { return Binding{&block, nullptr, 1}; };
-    const Binding bindings[] = {one(layer), one(table), one(state), one(rest),
-                                one(roots), one(wind),  one(chain)};
-    const KernelDesc& kernel = *FindKernels(isa)->Find("simulate_modal_vertex");
-    ASSERT_EQ(kernel.ports.size(), std::size(bindings));
-    kernel.run(&params, bindings);
+    RunOnBlocks(*kernels.Find("simulate_modal_vertex"), &params, layer, table, state, rest, roots,
+                wind, chain);
   }
   // Largest error of a tangent's length; infinite for anything not finite.
   double Stretch() const {
@@ -174,5 +168,26 @@ struct ModalScene {
     return worst;
   }
 };
+
+// Whether a lane's links point and turn the same way.
+template <uint32_t kNodes>
+bool SameLinks(const ModalStateBlock<kNodes>& a, const ModalStateBlock<kNodes>& b, uint32_t lane) {
+  bool same = true;
+  for (uint32_t i = 0; i < kNodes; ++i)
+    for (int k = 0; k < 3; ++k)
+      same &= a.direction[i][k][lane] == b.direction[i][k][lane] &&
+              a.velocity[i][k][lane] == b.velocity[i][k][lane];
+  return same;
+}
+
+// A scene of `make` for each instruction set that this machine has, more than one.
+template <class Make>
+auto OnEverySet(Make make) {
+  std::vector<std::pair<Isa, decltype(make())>> sets;
+  for (const Isa isa : kAllIsas)
+    if (FindKernels(isa)) sets.emplace_back(isa, make());
+  EXPECT_GT(sets.size(), 1u);
+  return sets;
+}
 
 }  // namespace pelt::test

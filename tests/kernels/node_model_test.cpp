@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace pelt {
+namespace pelt::test {
 namespace {
 
 TEST(NodeModel, ThreeNodesHaveTheirMatrices) {
@@ -62,4 +62,4 @@ TEST(NodeModel, SharesAreThoseOfACurveThroughTheNodes) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

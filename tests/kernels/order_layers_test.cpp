@@ -6,12 +6,10 @@
 #include <algorithm>
 #include <vector>
 
-#include "tests/kernels/every_vector.hpp"
+#include "tests/kernels/run_kernel.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
-
-using test::Blocks;
 
 struct World {
   Blocks<LayerBlock> layers;
@@ -44,8 +42,8 @@ struct World {
   }
   template <class V = ArrayVec<4>>
   std::vector<uint32_t> Run() {
-    test::RunKernel<OrderLayers<V>>(
-        params, {layers.Bind(), bounds.Bind(), lod.Bind(), sort.Bind(), list.Bind()});
+    RunKernel<OrderLayers<V>>(params,
+                              {layers.Bind(), bounds.Bind(), lod.Bind(), sort.Bind(), list.Bind()});
     return {list[0].layer, list[0].layer + list[0].count};
   }
   double Depth(uint32_t l) const {
@@ -69,7 +67,7 @@ struct World {
 };
 
 TEST(OrderLayers, BiasThenFartherBoxThenIndex) {
-  test::ForEveryVector([]<class V>(const char* name) {
+  ForEveryVector([]<class V>(const char* name) {
     for (uint32_t count : {0u, 1u, 2u, 3u, 17u, 166u, kLayersPerScene})
       for (uint32_t biases : {1u, 3u, 40u})
         for (uint32_t places : {2u, 16u}) {
@@ -103,4 +101,4 @@ TEST(OrderLayers, BiasOutweighsAnyDepth) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

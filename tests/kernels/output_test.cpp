@@ -10,13 +10,10 @@
 #include "core/kernels/write_lines.hpp"
 #include "core/kernels/write_ribbons.hpp"
 #include "core/ribbon_indices.hpp"
-#include "tests/kernels/every_vector.hpp"
+#include "tests/kernels/run_kernel.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
-
-using test::Blocks;
-using test::Uniform;
 
 constexpr uint32_t kChunks = 3, kLanes = kChunks * kStrandsPerChunk;
 constexpr uint32_t kDrawn = kLanes - kStrandsPerChunk / 2;  // some are culled
@@ -85,32 +82,31 @@ struct World {
   template <class V = ArrayVec<4>>
   void WriteInstancePieces() {
     for (uint32_t c = 0; c < kChunks; ++c)
-      test::RunKernel<WriteInstances<V>>({order.Bind(c), state.Bind(c), sort.Bind(),
-                                          curves.BindList(order[c].strand), instances.Bind(c)});
+      RunKernel<WriteInstances<V>>({order.Bind(c), state.Bind(c), sort.Bind(),
+                                    curves.BindList(order[c].strand), instances.Bind(c)});
   }
   template <class V = ArrayVec<4>>
   void WriteRibbonPieces() {
     for (uint32_t c = 0; c < kChunks; ++c)
-      test::RunKernel<WriteRibbons<V>>(params,
-                                       {order.Bind(c), state.Bind(c), sort.Bind(), layer.Bind(),
-                                        ribbons.BindList(order[c].strand), vertices.Bind(c)});
+      RunKernel<WriteRibbons<V>>(params, {order.Bind(c), state.Bind(c), sort.Bind(), layer.Bind(),
+                                          ribbons.BindList(order[c].strand), vertices.Bind(c)});
   }
   template <class V = ArrayVec<4>>
   void WriteUnsortedPieces() {
     for (uint32_t c = 0; c < kChunks; ++c)
-      test::RunKernel<WriteRibbonsUnsorted<V>>(
+      RunKernel<WriteRibbonsUnsorted<V>>(
           params, {state.Bind(c), layer.Bind(), ribbons.Bind(c), vertices.Bind(c)});
   }
   template <class V = ArrayVec<4>>
   void WriteLinePieces() {
     for (uint32_t c = 0; c < kChunks; ++c)
-      test::RunKernel<WriteLines<V>>({order.Bind(c), state.Bind(c), sort.Bind(), layer.Bind(),
-                                      curves.BindList(order[c].strand), lines.Bind(c)});
+      RunKernel<WriteLines<V>>({order.Bind(c), state.Bind(c), sort.Bind(), layer.Bind(),
+                                curves.BindList(order[c].strand), lines.Bind(c)});
   }
   template <class V = ArrayVec<4>>
   void WriteUnsortedLinePieces() {
     for (uint32_t c = 0; c < kChunks; ++c)
-      test::RunKernel<WriteLinesUnsorted<V>>(
+      RunKernel<WriteLinesUnsorted<V>>(
           {state.Bind(c), layer.Bind(), curves.Bind(c), lines.Bind(c)});
   }
   using Line = LineVertex[kRibbonPoints];
@@ -153,27 +149,14 @@ TEST(WriteInstances, FetchedRecordsGiveTheSameBits) {
     Blocks<CurveBlock> store(1);
     for (uint32_t i = 0; i < kStrandsPerChunk; ++i)
       store[0].record[i] = fetched.Curve(fetched.order[c].strand[i]);
-    test::RunKernel<WriteInstances<ArrayVec<4>>>({fetched.order.Bind(c), fetched.state.Bind(c),
-                                                  fetched.sort.Bind(), store.Bind(),
-                                                  fetched.instances.Bind(c)});
+    RunKernel<WriteInstances<ArrayVec<4>>>({fetched.order.Bind(c), fetched.state.Bind(c),
+                                            fetched.sort.Bind(), store.Bind(),
+                                            fetched.instances.Bind(c)});
   }
   EXPECT_TRUE(w.instances.SameBits(fetched.instances));
 }
 
-struct D3 {
-  double x, y, z;
-  D3 operator-(D3 b) const { return {x - b.x, y - b.y, z - b.z}; }
-  D3 operator+(D3 b) const { return {x + b.x, y + b.y, z + b.z}; }
-  D3 operator*(double s) const { return {x * s, y * s, z * s}; }
-};
-double Dot(D3 a, D3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-D3 Cross(D3 a, D3 b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-D3 Of(const float* p) { return {p[0], p[1], p[2]}; }
-double Length(D3 a) { return std::sqrt(Dot(a, a)); }
-
-void ExpectNear(D3 expected, const float* actual, double tolerance) {
+void ExpectNear(Double3 expected, const float* actual, double tolerance) {
   EXPECT_NEAR(actual[0], expected.x, tolerance);
   EXPECT_NEAR(actual[1], expected.y, tolerance);
   EXPECT_NEAR(actual[2], expected.z, tolerance);
@@ -190,15 +173,16 @@ uint32_t MixPlainly(uint32_t base, uint32_t tip, uint32_t i) {
 
 void CheckHair(const World& w, const RibbonRecord& r, const World::Hair& hair) {
   for (uint32_t i = 0; i < kRibbonPoints; ++i) {
-    const D3 point = Of(r.point[i]);
-    D3 along = Of(r.point[std::min(i + 1, kRibbonPoints - 1)]) - Of(r.point[i > 0 ? i - 1 : 0]);
+    const Double3 point = Of(r.point[i]);
+    Double3 along =
+        Of(r.point[std::min(i + 1, kRibbonPoints - 1)]) - Of(r.point[i > 0 ? i - 1 : 0]);
     // The parabola through three points, at the first of them.
     if (i == 0) along = point * -1.5 + Of(r.point[1]) * 2.0 - Of(r.point[2]) * 0.5;
-    const D3 tangent = along * (1.0 / Length(along));
-    const D3 across = Cross(tangent, Of(w.params.eye) - point);
+    const Double3 tangent = along * (1.0 / Length(along));
+    const Double3 across = Cross(tangent, Of(w.params.eye) - point);
     const double v = i / 4.0;
     const double half = 0.5 * double(r.width) * (1.0 + (double(w.layer[0].tip_width) - 1.0) * v);
-    const D3 side = across * (half / Length(across));
+    const Double3 side = across * (half / Length(across));
     ExpectNear(point - side, hair[i][0].position, 5e-7);
     ExpectNear(point + side, hair[i][1].position, 5e-7);
     for (int s = 0; s < 2; ++s) {
@@ -279,13 +263,13 @@ double Unpack(const LineVertex& vertex, int k) {
 }
 
 void CheckLine(const World& w, const CurveRecord& r, const World::Line& line) {
-  const D3 c[] = {Of(r.curve[0]), Of(r.curve[1]), Of(r.curve[2]), Of(r.curve[3])};
+  const Double3 c[] = {Of(r.curve[0]), Of(r.curve[1]), Of(r.curve[2]), Of(r.curve[3])};
   for (uint32_t i = 0; i < kRibbonPoints; ++i) {
     const double t = i / 4.0;
     ExpectNear(c[0] + c[1] * t + c[2] * (t * t) + c[3] * (t * t * t), line[i].position, 1e-6);
     EXPECT_NEAR(line[i].width, r.width * (1.0 + (double(w.layer[0].tip_width) - 1.0) * t), 1e-9);
-    const D3 along = c[1] + c[2] * (2 * t) + c[3] * (3 * t * t);
-    const D3 found = {Unpack(line[i], 0), Unpack(line[i], 1), Unpack(line[i], 2)};
+    const Double3 along = c[1] + c[2] * (2 * t) + c[3] * (3 * t * t);
+    const Double3 found = {Unpack(line[i], 0), Unpack(line[i], 1), Unpack(line[i], 2)};
     EXPECT_LT(Length(along * (1.0 / Length(along)) - found), 0.9 / 32767);
     EXPECT_NEAR(Unpack(line[i], 3), t, 0.51 / 32767);
     EXPECT_EQ(line[i].colour, MixPlainly(r.base_colour, r.tip_colour, i));
@@ -342,7 +326,7 @@ TEST(WriteLines, UnsortedIsTheSameStrandsInStrandOrder) {
 }
 
 TEST(Output, SameBitsOnEveryVector) {
-  test::ForEveryVector([]<class V>(const char* name) {
+  ForEveryVector([]<class V>(const char* name) {
     for (uint32_t visible : {1u, kStrandsPerChunk + 2, kLanes - 1, kLanes}) {
       World w(visible, visible), reference(visible, visible);
       w.state[2].live_strands = reference.state[2].live_strands = 1 + visible % 61;
@@ -391,8 +375,9 @@ TEST(RibbonIndices, FourFacingQuadsAHairThatShareTheirEdges) {
   }
   w.WriteRibbonPieces();
   for (uint32_t t = 0; t < kRibbonIndicesPerHair; t += 3) {
-    const D3 a = Of(VertexAt(w, indices[t]).position), b = Of(VertexAt(w, indices[t + 1]).position),
-             c = Of(VertexAt(w, indices[t + 2]).position);
+    const Double3 a = Of(VertexAt(w, indices[t]).position),
+                  b = Of(VertexAt(w, indices[t + 1]).position),
+                  c = Of(VertexAt(w, indices[t + 2]).position);
     EXPECT_GT(Dot(Cross(b - a, c - a), Of(w.params.eye) - a), 0.0) << t;
   }
 }
@@ -420,4 +405,4 @@ TEST(RibbonIndices, SortedIndicesOverUnsortedVerticesDrawTheSortedVertices) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

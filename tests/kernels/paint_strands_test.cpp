@@ -7,12 +7,8 @@
 
 #include "tests/kernels/run_kernel.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
-
-using test::ForEveryVector;
-using test::RunOnBlocks;
-using test::Uniform;
 
 uint32_t AmountOf(uint32_t word, PaintChannel channel) {
   return word >> 8 * uint32_t(channel) & 255;
@@ -194,4 +190,4 @@ TEST(PaintStrands, BrushesOfNothingAreLeftOut) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

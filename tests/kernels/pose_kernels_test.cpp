@@ -8,20 +8,15 @@
 #include "core/kernels/sample_pose.hpp"
 #include "tests/kernels/run_kernel.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
-
-using test::BitsOf;
-using test::ForEveryVector;
-using test::RunOnBlocks;
-using test::Uniform;
 
 constexpr float kIdentity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 
 std::unique_ptr<PoseBlock> MakePose(uint32_t joint_count, uint32_t seed) {
   auto pose = std::make_unique<PoseBlock>();
   // Lanes that nothing fills hold what memory held.
-  test::Poison(*pose);
+  Poison(*pose);
   std::mt19937 random(seed);
   for (uint32_t j = 0; j < joint_count; ++j) {
     for (int k = 0; k < 4; ++k) {
@@ -56,11 +51,14 @@ std::unique_ptr<SkeletonBlock> MakeSkeleton(uint32_t joint_count, uint32_t seed)
 
 // ---- sample_pose --------------------------------------------------------------------------------
 
+template <class V>
+LocalPoseBlock SampleOf(const PoseBlock& pose) {
+  return OutputOf<SamplePose<V>, LocalPoseBlock>(nullptr, pose);
+}
+
 TEST(SamplePose, BlendsKeysAsTheDoubleReferenceDoes) {
   const auto pose = MakePose(65, 1);
-  auto local = std::make_unique<LocalPoseBlock>();
-  test::Poison(*local);
-  RunOnBlocks<SamplePose<ArrayVec<4>>>(nullptr, *pose, *local);
+  const LocalPoseBlock local = SampleOf<ArrayVec<4>>(*pose);
   for (uint32_t j = 0; j < 65; ++j) {
     double q[4] = {}, length = 0.0;
     for (int c = 0; c < 4; ++c) {
@@ -68,15 +66,15 @@ TEST(SamplePose, BlendsKeysAsTheDoubleReferenceDoes) {
         q[c] += double(pose->rotation_key[k][c][j]) * pose->rotation_weight[k][j];
       length += q[c] * q[c];
     }
-    for (int c = 0; c < 4; ++c) EXPECT_NEAR(local->rotation[c][j], q[c] / std::sqrt(length), 2e-6);
+    for (int c = 0; c < 4; ++c) EXPECT_NEAR(local.rotation[c][j], q[c] / std::sqrt(length), 2e-6);
     for (int c = 0; c < 3; ++c) {
       double translation = 0.0, scale = 0.0;
       for (int k = 0; k < 4; ++k) {
         translation += double(pose->translation_key[k][c][j]) * pose->translation_weight[k][j];
         scale += double(pose->scale_key[k][c][j]) * pose->scale_weight[k][j];
       }
-      EXPECT_NEAR(local->translation[c][j], translation, 2e-6);
-      EXPECT_NEAR(local->scale[c][j], scale, 2e-6);
+      EXPECT_NEAR(local.translation[c][j], translation, 2e-6);
+      EXPECT_NEAR(local.scale[c][j], scale, 2e-6);
     }
   }
 }
@@ -85,15 +83,13 @@ TEST(SamplePose, JointsNotInUseAndVanishedRotationsAreTheIdentity) {
   auto pose = MakePose(17, 2);
   for (int k = 0; k < 4; ++k)
     for (int c = 0; c < 4; ++c) pose->rotation_key[k][c][5] = 0.0f;
-  auto local = std::make_unique<LocalPoseBlock>();
-  test::Poison(*local);
-  RunOnBlocks<SamplePose<ArrayVec<8>>>(nullptr, *pose, *local);
-  for (int c = 0; c < 4; ++c) EXPECT_EQ(local->rotation[c][5], c == 3 ? 1.0f : 0.0f);
+  const LocalPoseBlock local = SampleOf<ArrayVec<8>>(*pose);
+  for (int c = 0; c < 4; ++c) EXPECT_EQ(local.rotation[c][5], c == 3 ? 1.0f : 0.0f);
   for (uint32_t j = 17; j < kJointsPerCharacter; ++j) {
-    for (int c = 0; c < 4; ++c) ASSERT_EQ(local->rotation[c][j], c == 3 ? 1.0f : 0.0f) << j;
+    for (int c = 0; c < 4; ++c) ASSERT_EQ(local.rotation[c][j], c == 3 ? 1.0f : 0.0f) << j;
     for (int c = 0; c < 3; ++c) {
-      ASSERT_EQ(local->translation[c][j], 0.0f) << j;
-      ASSERT_EQ(local->scale[c][j], 1.0f) << j;
+      ASSERT_EQ(local.translation[c][j], 0.0f) << j;
+      ASSERT_EQ(local.scale[c][j], 1.0f) << j;
     }
   }
 }
@@ -101,15 +97,8 @@ TEST(SamplePose, JointsNotInUseAndVanishedRotationsAreTheIdentity) {
 TEST(SamplePose, SameBlockOnEveryVector) {
   for (uint32_t joint_count : {1u, 16u, 65u, 255u, 256u}) {
     const auto pose = MakePose(joint_count, joint_count);
-    auto expected = std::make_unique<LocalPoseBlock>();
-    test::Poison(*expected);
-    RunOnBlocks<SamplePose<ArrayVec<4>>>(nullptr, *pose, *expected);
-    ForEveryVector([&]<class V>(const char* name) {
-      auto local = std::make_unique<LocalPoseBlock>();
-      test::Poison(*local);
-      RunOnBlocks<SamplePose<V>>(nullptr, *pose, *local);
-      EXPECT_EQ(std::memcmp(local.get(), expected.get(), sizeof *local), 0) << name;
-    });
+    ExpectOnEveryVector(
+        SampleOf<ArrayVec<4>>(*pose), [&]<class V> { return SampleOf<V>(*pose); }, joint_count);
   }
 }
 
@@ -268,4 +257,4 @@ TEST(JointPalette, CopiesTeleported) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

@@ -7,40 +7,23 @@
 #include <cmath>
 
 #include "core/view.hpp"
-#include "tests/kernels/every_vector.hpp"
+#include "tests/kernels/run_kernel.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
 
-using test::Blocks;
-using test::Uniform;
-
-struct D3 {
-  double x, y, z;
-};
-D3 Sub(D3 a, D3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-double DotD(D3 a, D3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-D3 CrossD(D3 a, D3 b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-D3 UnitD(D3 a) {
-  const double l = std::sqrt(DotD(a, a));
-  return {a.x / l, a.y / l, a.z / l};
-}
-D3 Of(const float (&a)[3]) { return {a[0], a[1], a[2]}; }
-
 // Whether a point is on the screen, by projecting it; `slack` shrinks the screen.
-bool IsOnScreen(const Camera& c, D3 point, double slack) {
-  const D3 forward = UnitD(Sub(Of(c.target), Of(c.eye)));
-  const D3 right = UnitD(CrossD(forward, Of(c.up)));
-  const D3 up = CrossD(right, forward);
-  const D3 p = Sub(point, Of(c.eye));
-  const double depth = DotD(p, forward);
+bool IsOnScreen(const Camera& c, Double3 point, double slack) {
+  const Double3 forward = Unit(Of(c.target) - Of(c.eye));
+  const Double3 right = Unit(Cross(forward, Of(c.up)));
+  const Double3 up = Cross(right, forward);
+  const Double3 p = point - Of(c.eye);
+  const double depth = Dot(p, forward);
   if (depth < c.near_m + slack || depth > c.far_m - slack) return false;
   const double tan_y = std::tan(0.5 * double(c.vertical_fov_rad));
   const double tan_x = tan_y * c.viewport_width_px / c.viewport_height_px;
-  return std::abs(DotD(p, right)) < depth * tan_x - slack &&
-         std::abs(DotD(p, up)) < depth * tan_y - slack;
+  return std::abs(Dot(p, right)) < depth * tan_x - slack &&
+         std::abs(Dot(p, up)) < depth * tan_y - slack;
 }
 
 Camera RandomCamera(std::mt19937& random) {
@@ -85,7 +68,7 @@ struct World {
   }
   template <class V = ArrayVec<4>>
   const LodBlock& Run(const SelectLodParams& p) {
-    test::RunKernel<SelectLod<V>>(p, {layer.Bind(), bounds.Bind(), lod.Bind()});
+    RunKernel<SelectLod<V>>(p, {layer.Bind(), bounds.Bind(), lod.Bind()});
     return lod[0];
   }
 };
@@ -96,8 +79,8 @@ TEST(View, PlanesAgreeWithAProjection) {
   for (int i = 0; i < 20000; ++i) {
     const Camera camera = RandomCamera(random);
     const View view = MakeView(camera);
-    const D3 p{Uniform(random, -9.0f, 9.0f), Uniform(random, -9.0f, 9.0f),
-               Uniform(random, -9.0f, 9.0f)};
+    const Double3 p{Uniform(random, -9.0f, 9.0f), Uniform(random, -9.0f, 9.0f),
+                    Uniform(random, -9.0f, 9.0f)};
     double least = 1e9;
     for (const auto& plane : view.planes)
       least = std::min(least, plane[0] * p.x + plane[1] * p.y + plane[2] * p.z + plane[3]);
@@ -323,7 +306,7 @@ TEST(SelectLod, BudgetScaleHoldsTheBudgetAndDoesNotSwing) {
     p.budget_scale = BudgetScale({lod.begin(), 20}, {layers.begin(), 20}, 4000);
     double strands = 0;
     for (uint32_t l = 0; l < 20; ++l) {
-      test::RunKernel<SelectLod<ArrayVec<4>>>(p, {layers.Bind(l), bounds.Bind(l), lod.Bind(l)});
+      RunKernel<SelectLod<ArrayVec<4>>>(p, {layers.Bind(l), bounds.Bind(l), lod.Bind(l)});
       strands += double(lod[l].fraction) * layers[l].strand_count;
     }
     return strands;
@@ -426,7 +409,7 @@ TEST(SelectLod, ABoxAroundTheEyeOrWithoutSizeStaysFinite) {
 }
 
 TEST(SelectLod, SameBitsOnEveryVector) {
-  test::ForEveryVector([]<class V>(const char* name) {
+  ForEveryVector([]<class V>(const char* name) {
     std::mt19937 random(5);
     World world, reference;
     for (int i = 0; i < 500; ++i) {
@@ -442,4 +425,4 @@ TEST(SelectLod, SameBitsOnEveryVector) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

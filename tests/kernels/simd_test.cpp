@@ -12,12 +12,8 @@
 
 #include "tests/kernels/run_kernel.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
-
-using test::BitsOf;
-using test::ForEveryVector;
-using test::Uniform;
 
 std::vector<float> EdgeFloats() {
   using Limits = std::numeric_limits<float>;
@@ -472,4 +468,4 @@ TEST(UnitFrame, SameBitsOnEveryVectorAndBesideAnyNeighbour) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

@@ -15,7 +15,7 @@ double PendulumMiss(ModalQuality quality, void (*spoil)(ModalTableBlock&) = null
   auto s = std::make_unique<ModalScene<4>>(UniformLinks(3, 0.0, 0.0, 0.0), 1);
   s->quality = quality;
   s->layer.gravity[1] = -10.0f;
-  s->SetRest(0, 0.3, std::vector<Point3>(3, {1, 0, 0}));
+  s->SetRest(0, 0.3, {1, 0, 0});
   s->Step(1.0 / 60.0);
   s->SetDirection(0, 1, {0, 1, 0});
   s->SetDirection(0, 2, {0, 1, 0});
@@ -28,7 +28,7 @@ double PendulumMiss(ModalQuality quality, void (*spoil)(ModalTableBlock&) = null
     spoil(s->table);
     s->Run(BestIsa());
   }
-  return Norm(s->Tip(0) - Point3{-0.617362810, -0.086025600, 0.0});
+  return Length(s->Tip(0) - Double3{-0.617362810, -0.086025600, 0.0});
 }
 
 TEST(SimulateModalAccuracy, PendulumChallengeWithinAMillimetre) {
@@ -50,7 +50,7 @@ TEST(SimulateModalAccuracy, PendulumNoticesWhatIsLeftOut) {
 template <uint32_t kPoints>
 std::unique_ptr<ModalScene<kPoints>> MakeRelease() {
   auto s = std::make_unique<ModalScene<kPoints>>(UniformLinks(kPoints - 1, 5.0, 0.05, 6.0), 1);
-  s->SetRest(0, 0.04 / (kPoints - 1), std::vector<Point3>(4, {1, 0, 0}));
+  s->SetRest(0, 0.04 / (kPoints - 1), {1, 0, 0});
   s->Step(1.0 / 60.0);
   for (uint32_t i = 0; i + 1 < kPoints; ++i)
     for (int k = 0; k < 3; ++k) s->chain.velocity[i][k][0] = 0.0f;
@@ -79,7 +79,7 @@ double ReleaseMiss(const Sample (&samples)[kCount], ModalQuality quality) {
   int frame = 0;
   for (const Sample& sample : samples) {
     for (; frame < int(sample.time * 60.0 + 0.5); ++frame) s->Step(1.0 / 60.0);
-    worst = std::max(worst, Norm(s->Tip(0) - Point3{sample.x, sample.y, 0.0}) / 0.04);
+    worst = std::max(worst, Length(s->Tip(0) - Double3{sample.x, sample.y, 0.0}) / 0.04);
   }
   return worst;
 }
@@ -96,20 +96,20 @@ TEST(SimulateModalAccuracy, ReleasedStrandSwingsAsItMust) {
 double HeadshakeMiss(ModalQuality quality) {
   constexpr struct {
     double time;
-    Point3 tip;
+    Double3 tip;
   } kSamples[] = {{0.5, {0.0829467752, 0.1004301265, 0.0170030881}},
                   {1.0, {0.0877730275, 0.0911681354, 0.0343395718}},
                   {2.0, {0.0919583606, 0.0929390339, 0.0086427242}},
                   {4.0, {0.0879352326, 0.1014664776, 0.0145745875}}};
-  const auto turn = [](double t, Point3 p) {
+  const auto turn = [](double t, Double3 p) {
     const double on =
         0.5 * (1 + std::tanh((t - 0.5) / 0.1)) * (1 - 0.5 * (1 + std::tanh((t - 2.5) / 0.08)));
     const double yaw = 0.7 * on * std::sin(2 * kPi * 2 * t);
     const double pitch = 0.15 * on * std::sin(2 * kPi * 1.3 * t);
-    const Point3 q = {p.x, std::cos(pitch) * p.y - std::sin(pitch) * p.z,
-                      std::sin(pitch) * p.y + std::cos(pitch) * p.z};
-    return Point3{std::cos(yaw) * q.x + std::sin(yaw) * q.z, q.y,
-                  std::cos(yaw) * q.z - std::sin(yaw) * q.x};
+    const Double3 q = {p.x, std::cos(pitch) * p.y - std::sin(pitch) * p.z,
+                       std::sin(pitch) * p.y + std::cos(pitch) * p.z};
+    return Double3{std::cos(yaw) * q.x + std::sin(yaw) * q.z, q.y,
+                   std::cos(yaw) * q.z - std::sin(yaw) * q.x};
   };
   auto s = std::make_unique<ModalScene<4>>(UniformLinks(3, 5.0, 0.05, 6.0), 1);
   s->quality = quality;
@@ -118,14 +118,14 @@ double HeadshakeMiss(ModalQuality quality) {
   for (const auto& sample : kSamples)
     for (; frame <= int(sample.time * 60.0 + 0.5); ++frame) {
       const double t = frame / 60.0;
-      std::vector<Point3> rest;
+      std::vector<Double3> rest;
       for (const double a : {0.0, 0.35, 0.7})
         rest.push_back(turn(t, {0.6 * std::cos(a), 0.8 * std::cos(a), std::sin(a)}));
       s->SetRest(0, 0.04 / 3, rest);
       s->MoveRoot(0, turn(t, {0.06, 0.08, 0}));
       s->Step(1.0 / 60.0);
       if (frame == int(sample.time * 60.0 + 0.5))
-        worst = std::max(worst, Norm(s->Tip(0) - sample.tip) / 0.04);
+        worst = std::max(worst, Length(s->Tip(0) - sample.tip) / 0.04);
     }
   return worst;
 }
@@ -137,14 +137,14 @@ TEST(SimulateModalAccuracy, HeadshakeWithCurl) {
 }
 
 TEST(SimulateModalAccuracy, StaticShapeIsTheSameAtEveryFrameRate) {
-  const Point3 exact = {0.0380514679, -0.0120845556, 0.0};
+  const Double3 exact = {0.0380514679, -0.0120845556, 0.0};
   for (const double rate : {15.0, 24.0, 30.0, 60.0, 120.0, 240.0}) {
     for (const bool uneven : {false, true}) {
       auto s = MakeRelease<4>();
       s->params.rest_threshold = kRestThreshold;
       for (int frame = 0; frame < 6 * rate; ++frame)
         s->Step((uneven ? 0.7 + 0.2 * (frame % 4) : 1.0) / rate);
-      EXPECT_LT(Norm(s->Tip(0) - exact) / 0.04, 1e-4) << rate << (uneven ? " uneven" : "");
+      EXPECT_LT(Length(s->Tip(0) - exact) / 0.04, 1e-4) << rate << (uneven ? " uneven" : "");
     }
   }
 }

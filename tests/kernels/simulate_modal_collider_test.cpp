@@ -12,8 +12,7 @@ namespace {
 TEST(SimulateModalContact, OverlapsAreLeftAtABoundedSpeedAtEveryFrameRate) {
   const auto fastest_at = [](double rate, bool at_once) {
     auto s = std::make_unique<ModalScene<4>>(StrandMaterial(4, 3.0, 0.1, 6.0));
-    for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
-      s->SetRest(lane, 0.01, std::vector<Point3>(3, {0, 0, 1}));
+    s->SetRest(0.01, {0, 0, 1});
     s->layer.gravity[1] = 0.0f;
     for (int frame = 0; frame < 5; ++frame) s->Step(1.0 / rate);
     s->params.sphere_count = 1;
@@ -22,11 +21,11 @@ TEST(SimulateModalContact, OverlapsAreLeftAtABoundedSpeedAtEveryFrameRate) {
     double fastest = 0.0;
     for (int frame = 0; frame < int(0.5 * rate); ++frame) {
       s->params.sphere_step[0].at_once = at_once && frame == 0 ? 1 : 0;
-      const Point3 before = s->Tip(0);
+      const Double3 before = s->Tip(0);
       s->Step(1.0 / rate);
-      fastest = std::max(fastest, Norm(s->Tip(0) - before) * rate);
+      fastest = std::max(fastest, Length(s->Tip(0) - before) * rate);
     }
-    EXPECT_LT(0.02 - Norm(s->Tip(0) - Point3{0.016, 0.0, 0.03}), 1e-5) << "it got out";
+    EXPECT_LT(0.02 - Length(s->Tip(0) - Double3{0.016, 0.0, 0.03}), 1e-5) << "it got out";
     return fastest;
   };
   for (const double rate : {30.0, 60.0, 120.0, 240.0}) {
@@ -43,12 +42,10 @@ TEST(SimulateModalContact, OverlapsAreLeftAtABoundedSpeedAtEveryFrameRate) {
 TEST(SimulateModalContact, ASpherePushesStrandsAlong) {
   const auto tip_at = [](double rate, bool velocity, double* lag) {
     auto s = std::make_unique<ModalScene<4>>(StrandMaterial(4, 3.0, 0.1, 6.0));
-    for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
-      s->SetRest(lane, 0.01, std::vector<Point3>(3, {0, 0, 1}));
+    s->SetRest(0.01, {0, 0, 1});
     s->layer.gravity[1] = 0.0f;
-    s->params.sphere_count = 1;
+    s->AddSphere(0.02f);
     s->params.sphere[0][2] = 0.032f;
-    s->params.sphere[0][3] = 0.02f;
     const double speed = 0.4;
     *lag = 0.0;
     for (int frame = 0; frame < int(rate * 2.0 / 15.0 + 0.5); ++frame) {
@@ -61,33 +58,33 @@ TEST(SimulateModalContact, ASpherePushesStrandsAlong) {
         s->params.sphere_step[0].at_once = 1;
       }
       s->Step(1.0 / rate);
-      const Point3 centre = {s->params.sphere[0][0], 0.0, 0.032};
-      *lag = std::max(*lag, 0.02 - Norm(s->Tip(0) - centre));
+      const Double3 centre = {s->params.sphere[0][0], 0.0, 0.032};
+      *lag = std::max(*lag, 0.02 - Length(s->Tip(0) - centre));
     }
     return s->Tip(0);
   };
   double lag[4];
-  const Point3 fine = tip_at(960.0, true, &lag[0]), coarse = tip_at(60.0, true, &lag[1]),
-               at30 = tip_at(30.0, true, &lag[2]), told_nothing = tip_at(60.0, false, &lag[3]);
+  const Double3 fine = tip_at(960.0, true, &lag[0]), coarse = tip_at(60.0, true, &lag[1]),
+                at30 = tip_at(30.0, true, &lag[2]), told_nothing = tip_at(60.0, false, &lag[3]);
   std::printf("60 Hz %.3f mm off, 30 Hz %.3f, without velocity %.3f; lag %.4f %.4f %.4f %.4f mm\n",
-              1e3 * Norm(coarse - fine), 1e3 * Norm(at30 - fine), 1e3 * Norm(told_nothing - fine),
-              1e3 * lag[0], 1e3 * lag[1], 1e3 * lag[2], 1e3 * lag[3]);
+              1e3 * Length(coarse - fine), 1e3 * Length(at30 - fine),
+              1e3 * Length(told_nothing - fine), 1e3 * lag[0], 1e3 * lag[1], 1e3 * lag[2],
+              1e3 * lag[3]);
   for (const double depth : lag) EXPECT_LT(depth, 1e-4);
-  EXPECT_LT(Norm(coarse - fine), 5e-4);
-  EXPECT_LT(Norm(at30 - fine), 1e-3);
+  EXPECT_LT(Length(coarse - fine), 5e-4);
+  EXPECT_LT(Length(at30 - fine), 1e-3);
 }
 
 // Depth of the deepest point of any link in a ball, m.
 template <uint32_t kPoints>
-double DeepestLink(const ModalScene<kPoints>& s, Point3 centre, double radius) {
+double DeepestLink(const ModalScene<kPoints>& s, Double3 centre, double radius) {
   double deepest = 0.0;
   for (uint32_t lane = 0; lane < s.state.live_strands; ++lane) {
-    Point3 from = {s.roots.position[0][lane], s.roots.position[1][lane], s.roots.position[2][lane]};
+    Double3 from = At(s.roots.position, lane);
     for (uint32_t i = 0; i + 1 < kPoints; ++i) {
-      const auto& p = s.position.position[i];
-      const Point3 to = {p[0][lane], p[1][lane], p[2][lane]};
+      const Double3 to = At(s.position.position[i], lane);
       for (int part = 0; part <= 20; ++part)
-        deepest = std::max(deepest, radius - Norm(from + (to - from) * (part / 20.0) - centre));
+        deepest = std::max(deepest, radius - Length(from + (to - from) * (part / 20.0) - centre));
       from = to;
     }
   }
@@ -100,22 +97,20 @@ TEST(SimulateModalContact, LinksKeepOutOfASphereBetweenTheirEnds) {
     auto s = std::make_unique<ModalScene<4>>(StrandMaterial(4, 0.7, 0.1, 6.0));
     std::mt19937 random(5);
     for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
-      s->SetRest(lane, 0.012, std::vector<Point3>(3, {1, 0, 0}));
+      s->SetRest(lane, 0.012, {1, 0, 0});
       s->MoveRoot(lane, {Uniform(random, -0.028f, -0.012f), Uniform(random, -0.002f, 0.002f),
                          radius + 0.003});
     }
-    s->layer.gravity[1] = 0.0f;
-    s->layer.gravity[2] = -9.81f;
-    s->params.sphere_count = 1;
-    s->params.sphere[0][3] = float(radius);
+    s->PullDown();
+    s->AddSphere(float(radius));
     double deepest = 0.0, lowest = 1.0, moved = 0.0;
     for (int frame = 0; frame < 600; ++frame) {
-      const Point3 before = s->Tip(0);
+      const Double3 before = s->Tip(0);
       s->Step(kDt);
       s->HoldRoots();
       ASSERT_LT(s->Stretch(), 1e-5);
       deepest = std::max(deepest, DeepestLink(*s, {0, 0, 0}, radius));
-      moved = Norm(s->Tip(0) - before);
+      moved = Length(s->Tip(0) - before);
     }
     for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
       lowest = std::min(lowest, s->Tip(lane).z);
@@ -143,12 +138,12 @@ struct Passed {
 Passed Pass(const Passage& p) {
   auto s = std::make_unique<ModalScene<4>>(StrandMaterial(4, 3.0, 0.1, 6.0));
   s->quality = p.quality;
-  s->layer.friction = p.friction;
+  s->layer.modal.friction = p.friction;
   std::mt19937 random(5);
   Passed passed;
   const double half = p.bar ? 0.02 : 0.0;
   for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
-    s->SetRest(lane, kStrand / 3, std::vector<Point3>(3, {0, 0, 1}));
+    s->SetRest(lane, kStrand / 3, {0, 0, 1});
     const double x = Uniform(random, -0.2f, 0.2f), y = Uniform(random, -0.016f, 0.016f);
     s->MoveRoot(lane, {x, y, 0.0});
     const double beside = std::max(std::fabs(y) - half, 0.0);
@@ -173,8 +168,8 @@ Passed Pass(const Passage& p) {
     s->Step(1.0 / p.rate);
     EXPECT_LT(s->Stretch(), 1e-5);
     for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
-      const Point3 rest = {s->roots.position[0][lane], s->roots.position[1][lane], kStrand};
-      passed.moved[lane] = std::max(passed.moved[lane], Norm(s->Tip(lane) - rest));
+      const Double3 rest = {s->roots.position[0][lane], s->roots.position[1][lane], kStrand};
+      passed.moved[lane] = std::max(passed.moved[lane], Length(s->Tip(lane) - rest));
     }
   }
   s->params.sphere_count = s->params.capsule_count = 0;
@@ -226,7 +221,7 @@ TEST(SimulateModalContact, WhatAFastSphereMissesKeepsItsBits) {
     auto s = std::make_unique<ModalScene<4>>(StrandMaterial(4, 3.0, 0.1, 6.0));
     std::mt19937 random(5);
     for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
-      s->SetRest(lane, kStrand / 3, std::vector<Point3>(3, {0, 0, 1}));
+      s->SetRest(lane, kStrand / 3, {0, 0, 1});
       s->MoveRoot(lane, {Uniform(random, -0.2f, 0.2f), Uniform(random, -0.06f, 0.06f), 0.0});
     }
     s->layer.gravity[1] = -1.0f;  // they swing, by up to 6 mm
@@ -247,11 +242,7 @@ TEST(SimulateModalContact, WhatAFastSphereMissesKeepsItsBits) {
   int missed = 0, struck = 0;
   for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
     const bool beside = std::fabs(with->roots.position[1][lane]) > kBall + 0.006;
-    bool same = true;
-    for (uint32_t i = 0; i < 3; ++i)
-      for (int k = 0; k < 3; ++k)
-        same &= with->chain.direction[i][k][lane] == without->chain.direction[i][k][lane] &&
-                with->chain.velocity[i][k][lane] == without->chain.velocity[i][k][lane];
+    const bool same = SameLinks(with->chain, without->chain, lane);
     if (beside) {
       EXPECT_TRUE(same) << lane;
     }

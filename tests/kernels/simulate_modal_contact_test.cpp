@@ -13,25 +13,19 @@ namespace {
 TEST(SimulateModalContact, KeepsOutOfSurfaceSphereAndGround) {
   auto s = std::make_unique<ModalScene<5>>(StrandMaterial(5, 0.5, 0.1, 6.0));
   std::mt19937 random(3);
-  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
-    s->SetRest(lane, 0.01, std::vector<Point3>(4, {0.8, 0.36, 0.48}));
+  s->SetRest(0.01, {0.8, 0.36, 0.48});
+  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
     s->MoveRoot(lane, {Uniform(random, -0.02f, 0.02f), 0.02, Uniform(random, 0.021f, 0.03f)});
-  }
   s->layer.surface_hardness = 1.0f;
-  s->params.use_ground = 1;
-  s->params.ground[1] = 1.0f;
-  s->params.sphere_count = 1;
-  s->params.sphere[0][3] = 0.02f;
+  s->AddGround();
+  s->AddSphere(0.02f);
   double worst = 0.0;
   for (int frame = 0; frame < 240; ++frame) {
     s->Step(kDt);
     s->HoldRoots();
-    for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
-      for (uint32_t i = 0; i < 4; ++i) {
-        const auto& p = s->position.position[i];
-        const Point3 at = {p[0][lane], p[1][lane], p[2][lane]};
-        worst = std::max({worst, -at.y, 0.02 - Norm(at), s->roots.position[2][lane] - at.z});
-      }
+    s->ForEachPoint([&](uint32_t lane, Double3 at) {
+      worst = std::max({worst, -at.y, 0.02 - Length(at), s->roots.position[2][lane] - at.z});
+    });
     ASSERT_LT(s->Stretch(), 1e-5);
   }
   RecordProperty("worst_penetration_um", int(worst * 1e6));
@@ -56,14 +50,12 @@ TEST(SimulateModalContact, ALaneDoesNotDependOnItsNeighbours) {
     for (uint32_t i = 0; i < kStrandsPerChunk; ++i) {
       std::mt19937 random(i);
       const uint32_t lane = turned_round ? kStrandsPerChunk - 1 - i : i;
-      s->SetRest(lane, 0.01, std::vector<Point3>(3, RandomUnit(random)));
+      s->SetRest(lane, 0.01, RandomUnit(random));
       s->MoveRoot(lane, {Uniform(random, -0.1f, 0.1f), Uniform(random, 0.0f, 0.1f), 0.0});
     }
     s->layer.surface_hardness = 0.5f;
-    s->params.use_ground = 1;
-    s->params.ground[1] = 1.0f;
-    s->params.sphere_count = 1;
-    s->params.sphere[0][3] = 0.02f;
+    s->AddGround();
+    s->AddSphere(0.02f);
     s->params.capsule_count = 1;
     s->params.capsule[0] = {{0.03f, 0.0f, 0.05f}, 0.01f, {1.0f, 0.0f, 0.0f}, 0.05f};
     for (ColliderStep* step : {&s->params.sphere_step[0], &s->params.capsule_step[0]})
@@ -87,14 +79,14 @@ TEST(SimulateModalContact, WhoTakesNoStepDoesNotDependOnItsNeighbours) {
     for (uint32_t i = 0; i < kStrandsPerChunk; ++i) {
       std::mt19937 random(i);
       const uint32_t lane = turned_round ? kStrandsPerChunk - 1 - i : i;
-      s->SetRest(lane, i % 3 == 0 ? kShort_m : kLong_m, std::vector<Point3>(3, RandomUnit(random)));
+      s->SetRest(lane, i % 3 == 0 ? kShort_m : kLong_m, RandomUnit(random));
       s->MoveRoot(lane, {Uniform(random, -0.002f, 0.002f), Uniform(random, -0.002f, 0.002f), 0.0});
     }
     s->layer.gravity[1] = -kGravity;
     s->layer.surface_hardness = 1.0f;
     s->params.sphere[0][3] = 0.001f;
     for (int frame = 0; frame < 20; ++frame) {
-      s->params.sphere_count = frame > 0;
+      s->params.sphere_count = frame > 0 ? 1 : 0;
       s->Step(kDt);
       s->HoldRoots();
     }
@@ -115,8 +107,7 @@ TEST(SimulateModalContact, WhoTakesNoStepDoesNotDependOnItsNeighbours) {
 TEST(SimulateModalContact, ASoftSurfaceHoldsPartOfTheWeight) {
   const auto depth_at = [](float hardness) {
     auto s = std::make_unique<ModalScene<4>>(StrandMaterial(4, 0.5, 0.1, 6.0));
-    s->layer.gravity[1] = 0.0f;
-    s->layer.gravity[2] = -9.81f;
+    s->PullDown();
     s->layer.surface_hardness = hardness;
     for (int frame = 0; frame < 240; ++frame) s->Step(kDt);
     return -s->Tip(0).z;
@@ -143,12 +134,11 @@ std::unique_ptr<ModalScene<4>> OnSoftSurface() {
   auto s = std::make_unique<ModalScene<4>>(StrandMaterial(4, 3.0, 0.1, 6.0));
   std::mt19937 random(9);
   for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
-    Point3 d = RandomUnit(random);
+    Double3 d = RandomUnit(random);
     d.z = 0.2 + 0.3 * std::fabs(d.z);
-    s->SetRest(lane, 0.01, std::vector<Point3>(3, d * (1.0 / Norm(d))));
+    s->SetRest(lane, 0.01, Unit(d));
   }
-  s->layer.gravity[1] = 0.0f;
-  s->layer.gravity[2] = -9.81f;
+  s->PullDown();
   return s;
 }
 
@@ -160,7 +150,7 @@ void StepSoft(ModalScene<4>& s, double dt, float hardness) {
 double FarthestTips(const ModalScene<4>& a, const ModalScene<4>& b) {
   double worst = 0.0;
   for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
-    worst = std::max(worst, Norm(a.Tip(lane) - b.Tip(lane)));
+    worst = std::max(worst, Length(a.Tip(lane) - b.Tip(lane)));
   return worst;
 }
 
@@ -205,18 +195,16 @@ TEST(SimulateModalContact, ALongFrameLeavesStrandsOnASoftSurfaceWhereTheyWere) {
 
 // Strands droop onto it from above: along it, across it, and a short one, beyond its caps too.
 TEST(SimulateModalContact, KeepsOutOfACapsule) {
-  for (const Point3 half :
-       {Point3{0.03, 0.0, 0.0}, Point3{0.0, 0.02, 0.0}, Point3{0.004, -0.004, 0.0}}) {
+  for (const Double3 half :
+       {Double3{0.03, 0.0, 0.0}, Double3{0.0, 0.02, 0.0}, Double3{0.004, -0.004, 0.0}}) {
     auto s = std::make_unique<ModalScene<5>>(StrandMaterial(5, 0.5, 0.1, 6.0));
     std::mt19937 random(5);
-    for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
-      s->SetRest(lane, 0.01, std::vector<Point3>(4, {0.8, 0.36, 0.48}));
+    s->SetRest(0.01, {0.8, 0.36, 0.48});
+    for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
       s->MoveRoot(lane, {Uniform(random, -0.02f, 0.02f), Uniform(random, -0.02f, 0.02f),
                          Uniform(random, 0.021f, 0.03f)});
-    }
-    s->layer.gravity[1] = 0.0f;
-    s->layer.gravity[2] = -9.81f;
-    const double length = Norm(half);
+    s->PullDown();
+    const double length = Length(half);
     s->params.capsule_count = 1;
     CapsuleParams& capsule = s->params.capsule[0];
     const double ends[3] = {half.x, half.y, half.z};
@@ -230,15 +218,12 @@ TEST(SimulateModalContact, KeepsOutOfACapsule) {
     for (int frame = 0; frame < 240; ++frame) {
       s->Step(kDt);
       s->HoldRoots();
-      for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
-        for (uint32_t i = 0; i < 4; ++i) {
-          const auto& p = s->position.position[i];
-          const Point3 at = {p[0][lane], p[1][lane], p[2][lane]};
-          const double along = (at.x * half.x + at.y * half.y + at.z * half.z) / (length * length);
-          const double distance = Norm(at - half * std::clamp(along, -1.0, 1.0)) - 0.02;
-          worst = std::max(worst, -distance);
-          if (frame == 239) nearest = std::min(nearest, std::abs(distance));
-        }
+      s->ForEachPoint([&](uint32_t, Double3 at) {
+        const double along = Dot(at, half) / (length * length);
+        const double distance = Length(at - half * std::clamp(along, -1.0, 1.0)) - 0.02;
+        worst = std::max(worst, -distance);
+        if (frame == 239) nearest = std::min(nearest, std::abs(distance));
+      });
       ASSERT_LT(s->Stretch(), 1e-5);
     }
     RecordProperty("worst_penetration_um", int(worst * 1e6));
@@ -253,19 +238,16 @@ double FarthestFromGroom(const ModalScene<kPoints>& s) {
   double worst = 0.0;
   for (uint32_t lane = 0; lane < s.state.live_strands; ++lane)
     for (uint32_t i = 0; i + 1 < kPoints; ++i) {
-      Point3 off;
-      double* const to[] = {&off.x, &off.y, &off.z};
-      for (int k = 0; k < 3; ++k)
-        *to[k] = double(s.position.position[i][k][lane]) - s.roots.position[k][lane] -
-                 s.rest.offset[i][k][lane];
-      worst = std::max(worst, Norm(off) / (double(s.rest.segment_length[lane]) * (i + 1)));
+      const Double3 off = At(s.position.position[i], lane) - At(s.roots.position, lane) -
+                          At(s.rest.offset[i], lane);
+      worst = std::max(worst, Length(off) / (double(s.rest.segment_length[lane]) * (i + 1)));
     }
   return worst;
 }
 
 // Strands so soft that they lie on their limits, shaken and then left alone.
 TEST(SimulateModalContact, KeepsWithinMaxDistanceAndComesToRestThere) {
-  for (const ModalQuality quality : {ModalQuality::kFast, ModalQuality::kFine, ModalQuality::kBest})
+  for (const ModalQuality quality : kQualities)
     for (const float limit : {kLeastMaxDistance, 0.3f, 1.0f}) {
       SCOPED_TRACE(testing::Message() << "limit " << limit << ", quality " << int(quality));
       auto s = std::make_unique<ModalScene<5>>(StrandMaterial(5, 0.5, 0.2, 6.0));
@@ -275,9 +257,9 @@ TEST(SimulateModalContact, KeepsWithinMaxDistanceAndComesToRestThere) {
       std::mt19937 random(5);
       for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
         // Upright ones would slide round a limit that is nearly level for minutes.
-        Point3 d = RandomUnit(random);
+        Double3 d = RandomUnit(random);
         while (std::fabs(d.y) > 0.9) d = RandomUnit(random);
-        s->SetRest(lane, 0.01, std::vector<Point3>(4, d));
+        s->SetRest(lane, 0.01, d);
       }
       double worst = 0.0;
       for (int frame = 0; frame < 120; ++frame) {

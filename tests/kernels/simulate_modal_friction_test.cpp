@@ -18,18 +18,13 @@ std::unique_ptr<ModalScene<kPoints>> LyingStrands(double hz, double friction, do
                                                   ModalQuality quality = ModalQuality::kFine) {
   auto s = std::make_unique<ModalScene<kPoints>>(StrandMaterial(kPoints, hz, 0.1, 0.5));
   s->quality = quality;
-  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
-    s->SetRest(lane, 0.01, std::vector<Point3>(kPoints - 1, {1, 0, 0}));
-  s->params.use_ground = 1;
-  s->params.ground[1] = 1.0f;
-  s->layer.friction = float(friction);
+  s->SetRest(0.01, {1, 0, 0});
+  s->AddGround();
+  s->layer.modal.friction = float(friction);
   s->layer.gravity[1] = float(-kGravity);
   s->layer.gravity[2] = float(aside);
   return s;
 }
-
-constexpr ModalQuality kQualities[] = {ModalQuality::kFast, ModalQuality::kFine,
-                                       ModalQuality::kBest};
 
 // Below atan(mu) a strand on a slope stays, above it slides.
 TEST(SimulateModalFriction, HoldsUpToItsAngle) {
@@ -61,7 +56,7 @@ TEST(SimulateModalFriction, SlidesAsIfItWerePulledThatMuchLess) {
     double off = 0.0, way = 0.0;
     for (int frame = 0; frame < 6; ++frame) {
       rubbed->Step(kDt), free->Step(kDt);
-      off = std::max(off, Norm(rubbed->Tip(0) - free->Tip(0)));
+      off = std::max(off, Length(rubbed->Tip(0) - free->Tip(0)));
       way = std::max(way, free->Tip(0).z);
     }
     std::printf("mu %.1f: %.4f mm off of %.3f mm\n", friction, 1e3 * off, 1e3 * way);
@@ -79,10 +74,9 @@ TEST(SimulateModalFriction, MovingGroundBendsAStrandAsMuTimesItsWeight) {
       ColliderStep& step = dragged->params.ground_step;
       step.from[2] = step.to[2] = float(0.3 / rate);
       step.moves = 1;
-      for (int frame = 0; frame < int(5.0 * rate); ++frame) {
+      for (int frame = 0; frame < int(5.0 * rate); ++frame)
         dragged->Step(1.0 / rate), pulled->Step(1.0 / rate);
-      }
-      const double off = Norm(dragged->Tip(0) - pulled->Tip(0));
+      const double off = Length(dragged->Tip(0) - pulled->Tip(0));
       std::printf("%g Hz, mu %.1f: %.4f mm off, %.3f mm aside\n", rate, friction, 1e3 * off,
                   1e3 * pulled->Tip(0).z);
       EXPECT_LT(off, 5e-5) << rate << " Hz, mu " << friction;

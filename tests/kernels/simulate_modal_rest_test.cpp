@@ -24,20 +24,15 @@ std::unique_ptr<ModalScene<kPoints>> StrandsAt(Solid solid, double low, double h
   for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
     const double off = low + (high - low) * lane / (kStrandsPerChunk - 1.0);
     // The root frame is turned only so that its normal is n; rest offsets are given in it.
-    const Point3 n = RandomUnit(random), d = RandomUnit(random);
-    Point3 t = std::fabs(n.z) < 0.9 ? Point3{n.y, -n.x, 0.0} : Point3{0.0, n.z, -n.y};
-    t = t * (1.0 / Norm(t));
-    const double normal[3] = {n.x, n.y, n.z}, tangent[3] = {t.x, t.y, t.z};
-    for (int k = 0; k < 3; ++k) {
-      s->roots.normal[k][lane] = float(normal[k]);
-      s->roots.tangent[k][lane] = float(tangent[k]);
-    }
-    s->SetRest(lane, kLength / (kPoints - 1),
-               std::vector<Point3>(kPoints - 1, {d.x, d.y, std::fabs(d.z)}));
-    const Point3 out = RandomUnit(random), flat = Point3{out.x, out.y, 0.0};
-    Point3 at = {0.0, off, 0.0};
+    const Double3 n = RandomUnit(random), d = RandomUnit(random);
+    const Double3 t = std::fabs(n.z) < 0.9 ? Double3{n.y, -n.x, 0.0} : Double3{0.0, n.z, -n.y};
+    s->SetFrame(lane, n, Unit(t));
+    s->SetRest(lane, kLength / (kPoints - 1), {d.x, d.y, std::fabs(d.z)});
+    const Double3 out = RandomUnit(random), flat = Double3{out.x, out.y, 0.0};
+    Double3 at = {0.0, off, 0.0};
     if (solid == kSphere) at = out * (kRadius + off);
-    if (solid == kCapsule) at = flat * ((kRadius + off) / Norm(flat)) + Point3{0, 0, 0.03 * out.z};
+    if (solid == kCapsule)
+      at = flat * ((kRadius + off) / Length(flat)) + Double3{0, 0, 0.03 * out.z};
     s->MoveRoot(lane, at);
   }
   s->params.use_ground = solid == kGround;
@@ -55,14 +50,8 @@ uint32_t CountMoving(ModalScene<kPoints>& s) {
   const ModalStateBlock<NodesOf(kPoints)> last = s.chain;
   s.Step(kDt);
   uint32_t moving = 0;
-  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
-    bool same = true;
-    for (uint32_t i = 0; i + 1 < kPoints; ++i)
-      for (int k = 0; k < 3; ++k)
-        same &= last.direction[i][k][lane] == s.chain.direction[i][k][lane] &&
-                last.velocity[i][k][lane] == s.chain.velocity[i][k][lane];
-    moving += !same;
-  }
+  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
+    moving += !SameLinks(last, s.chain, lane);
   return moving;
 }
 
@@ -75,9 +64,6 @@ uint32_t CountMovingAfter(double seconds, ModalScene<kPoints>& s) {
   EXPECT_LT(s.Stretch(), 1e-5);
   return CountMoving(s);
 }
-
-constexpr ModalQuality kQualities[] = {ModalQuality::kFast, ModalQuality::kFine,
-                                       ModalQuality::kBest};
 
 // A bare root under the ground has nothing to fight with but the ground. One of 128 needs the rule for the
 // restless all the same.
@@ -102,7 +88,7 @@ TEST(SimulateModalRest, StrandsInAndAboutSolidsRest) {
             auto s = StrandsAt<5>(solid, side * 0.0001, side * 0.019, 3.0);
             s->quality = quality;
             s->layer.surface_hardness = hardness;
-            s->layer.friction = friction;
+            s->layer.modal.friction = friction;
             moving += CountMovingAfter(8.0, *s);
           }
   EXPECT_LE(moving, 2u) << "of " << 48 * kStrandsPerChunk;
@@ -114,7 +100,7 @@ TEST(SimulateModalRest, WhoSettlesByItselfSettlesThere) {
     const auto run = [&](uint32_t flags, float friction) {
       auto s = StrandsAt<4>(kGround, 0.001, 0.03, 3.0);
       s->quality = quality;
-      s->layer.friction = friction;
+      s->layer.modal.friction = friction;
       s->flags = flags;
       CountMovingAfter(12.0, *s);
       return s;
@@ -123,7 +109,7 @@ TEST(SimulateModalRest, WhoSettlesByItselfSettlesThere) {
       const auto kept = run(kChunkSteady, friction), free = run(0, friction);
       uint32_t elsewhere = 0;
       for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
-        elsewhere += Norm(kept->Tip(lane) - free->Tip(lane)) > 0.01 * kLength;
+        elsewhere += Length(kept->Tip(lane) - free->Tip(lane)) > 0.01 * kLength;
       EXPECT_LE(elsewhere, 1u) << "friction " << friction << ", quality " << int(quality);
     }
   }
@@ -133,7 +119,7 @@ TEST(SimulateModalRest, WhoSettlesByItselfSettlesThere) {
 TEST(SimulateModalRest, FrictionDoesNotCreep) {
   auto s = StrandsAt<4>(kGround, 0.005, 0.005, 2.0);
   s->quality = ModalQuality::kFast;
-  s->layer.friction = 0.4f;
+  s->layer.modal.friction = 0.4f;
   EXPECT_EQ(CountMovingAfter(4.0, *s), 0u);
 }
 
@@ -141,7 +127,7 @@ TEST(SimulateModalRest, FrictionDoesNotCreep) {
 TEST(SimulateModalRest, WhoIsKeptIsMovedByWhatComes) {
   auto s = StrandsAt<4>(kGround, -0.01, 0.01, 3.0);
   s->layer.surface_hardness = 0.7f;
-  s->layer.friction = 0.4f;
+  s->layer.modal.friction = 0.4f;
   ASSERT_EQ(CountMovingAfter(12.0, *s), 0u);
   const auto before = std::make_unique<ModalScene<4>>(*s);
   s->flags = s->state.flags = 0;
@@ -153,7 +139,7 @@ TEST(SimulateModalRest, WhoIsKeptIsMovedByWhatComes) {
   CountMovingAfter(1.0, *s);
   uint32_t moved = 0;
   for (uint32_t lane = kStrandsPerChunk / 2; lane < kStrandsPerChunk; ++lane)
-    moved += Norm(before->Tip(lane) - s->Tip(lane)) > 1e-4;
+    moved += Length(before->Tip(lane) - s->Tip(lane)) > 1e-4;
   EXPECT_GT(moved, kStrandsPerChunk / 4);
 }
 

@@ -25,11 +25,11 @@ std::unique_ptr<ModalScene<kPoints>> MakeBusyScene(const BusyLayer& what) {
   auto s = std::make_unique<ModalScene<kPoints>>(StrandMaterial(kPoints, 3.0, 0.05, 4.0), 60);
   std::mt19937 random(7);
   for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
-    const Point3 d = RandomUnit(random), e = RandomUnit(random);
-    std::vector<Point3> links;
+    const Double3 d = RandomUnit(random), e = RandomUnit(random);
+    std::vector<Double3> links;
     for (uint32_t i = 0; i + 1 < kPoints; ++i) {
-      const Point3 link = d + e * (0.3 * i);
-      links.push_back(link * (1.0 / Norm(link)));
+      const Double3 link = d + e * (0.3 * i);
+      links.push_back(Unit(link));
     }
     s->SetRest(lane, Uniform(random, 0.005f, 0.02f), links);
     s->rest.strength[lane] = lane % 5 == 0 ? Uniform(random, 0.0f, 1.0f) : 1.0f;
@@ -42,12 +42,10 @@ std::unique_ptr<ModalScene<kPoints>> MakeBusyScene(const BusyLayer& what) {
   s->layer.clump = 0.3f;
   s->layer.surface_hardness = what.surface_hardness;
   s->layer.max_distance = what.max_distance;
-  s->layer.friction = what.friction;
+  s->layer.modal.friction = what.friction;
   s->params.rest_threshold = kRestThreshold;
-  s->params.use_ground = 1;
-  s->params.ground[1] = 1.0f;
-  s->params.sphere_count = 1;
-  s->params.sphere[0][3] = 0.03f;
+  s->AddGround();
+  s->AddSphere(0.03f);
   return s;
 }
 
@@ -57,8 +55,7 @@ void RunBusyFrame(uint32_t frame, Isa isa, ModalScene<kPoints>& s) {
   s.state.first_new_strand = frame == 10 ? 50 : s.state.live_strands;
   const double jump = frame == 20 ? 0.3 : 0.01 * std::sin(0.4 * frame);
   for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
-    s.MoveRoot(lane, {s.roots.position[0][lane] + jump, s.roots.position[1][lane],
-                      s.roots.position[2][lane]});
+    s.MoveRoot(lane, At(s.roots.position, lane) + Double3{jump, 0, 0});
     s.wind.acceleration[2][lane] = float(10.0 * std::sin(0.2 * frame + lane));
   }
   // Then the ball goes through all of them, at 10 m/s.
@@ -72,39 +69,40 @@ void RunBusyFrame(uint32_t frame, Isa isa, ModalScene<kPoints>& s) {
 // sees the end of that.
 uint32_t BusyFrames(ModalQuality quality) { return quality == ModalQuality::kFast ? 40 : 30; }
 
-// Compared after every frame: what is seen of a lane may differ while its state does not.
+// Calls expect(make, quality) for every layer and quality.
 template <uint32_t kPoints>
-void ExpectSameOnEverySet(const BusyLayer& layer, ModalQuality quality) {
-  std::vector<std::pair<Isa, std::unique_ptr<ModalScene<kPoints>>>> sets;
-  for (const Isa isa : kAllIsas) {
-    if (!FindKernels(isa)) continue;
-    sets.emplace_back(isa, MakeBusyScene<kPoints>(layer));
-    sets.back().second->quality = quality;
-  }
-  ASSERT_GT(sets.size(), 1u);
-  for (uint32_t frame = 0; frame < BusyFrames(quality); ++frame)
-    for (auto& [isa, s] : sets) {
-      const ModalScene<kPoints>& first = *sets[0].second;
-      RunBusyFrame(frame, isa, *s);
-      ASSERT_LT(s->Stretch(), 1e-5) << IsaName(isa) << ", frame " << frame;
-      ASSERT_EQ(0, std::memcmp(&first.chain, &s->chain, sizeof s->chain))
-          << IsaName(isa) << ", frame " << frame;
-      ASSERT_EQ(0, std::memcmp(&first.position, &s->position, sizeof s->position))
-          << IsaName(isa) << ", frame " << frame;
-      ASSERT_EQ(first.state.state_changed, s->state.state_changed)
-          << IsaName(isa) << ", frame " << frame;
+void ForEveryBusyScene(bool at_vertices, auto expect) {
+  for (const BusyLayer& layer : kBusyLayers)
+    for (const ModalQuality quality : kQualities) {
+      if (at_vertices && layer.clump) continue;
+      SCOPED_TRACE(testing::Message()
+                   << "layer " << &layer - kBusyLayers << ", quality " << int(quality));
+      expect(
+          [&] {
+            auto s = MakeBusyScene<kPoints>(layer);
+            s->quality = quality;
+            return s;
+          },
+          quality);
     }
 }
 
+// Compared after every frame: what is seen of a lane may differ while its state does not.
 template <uint32_t kPoints>
 void ExpectSameOnEverySet() {
-  for (const BusyLayer& layer : kBusyLayers)
-    for (const ModalQuality quality :
-         {ModalQuality::kFast, ModalQuality::kFine, ModalQuality::kBest}) {
-      SCOPED_TRACE(testing::Message()
-                   << "layer " << &layer - kBusyLayers << ", quality " << int(quality));
-      ExpectSameOnEverySet<kPoints>(layer, quality);
-    }
+  ForEveryBusyScene<kPoints>(false, [](const auto& make, ModalQuality quality) {
+    const auto sets = OnEverySet(make);
+    const ModalScene<kPoints>& first = *sets[0].second;
+    for (uint32_t frame = 0; frame < BusyFrames(quality); ++frame)
+      for (const auto& [isa, s] : sets) {
+        RunBusyFrame(frame, isa, *s);
+        SCOPED_TRACE(testing::Message() << IsaName(isa) << ", frame " << frame);
+        ASSERT_LT(s->Stretch(), 1e-5);
+        ASSERT_EQ(0, std::memcmp(&first.chain, &s->chain, sizeof s->chain));
+        ASSERT_EQ(0, std::memcmp(&first.position, &s->position, sizeof s->position));
+        ASSERT_EQ(first.state.state_changed, s->state.state_changed);
+      }
+  });
 }
 
 TEST(SimulateModal, SameBitsOnEverySet4Points) { ExpectSameOnEverySet<4>(); }
@@ -112,40 +110,24 @@ TEST(SimulateModal, SameBitsOnEverySet5Points) { ExpectSameOnEverySet<5>(); }
 TEST(SimulateModal, SameBitsOnEverySet9Points) { ExpectSameOnEverySet<9>(); }
 
 // Chains at mesh vertices have the state of strands without clumping, and no points.
-void ExpectStrandsStateAtVertices(const BusyLayer& layer, ModalQuality quality) {
-  const auto strands = MakeBusyScene<4>(layer);
-  strands->quality = quality;
-  std::vector<std::pair<Isa, std::unique_ptr<ModalScene<4>>>> sets;
-  for (const Isa isa : kAllIsas) {
-    if (!FindKernels(isa)) continue;
-    sets.emplace_back(isa, MakeBusyScene<4>(layer));
-    sets.back().second->quality = quality;
-    sets.back().second->at_vertices = true;
-  }
-  const PointBlock<4> untouched = strands->position;
-  for (uint32_t frame = 0; frame < BusyFrames(quality); ++frame) {
-    RunBusyFrame(frame, Isa::kReference, *strands);
-    for (auto& [isa, s] : sets) {
-      RunBusyFrame(frame, isa, *s);
-      ASSERT_LT(s->Stretch(), 1e-5) << IsaName(isa) << ", frame " << frame;
-      ASSERT_EQ(0, std::memcmp(&strands->chain, &s->chain, sizeof s->chain))
-          << IsaName(isa) << ", frame " << frame;
-      ASSERT_EQ(sets[0].second->state.state_changed, s->state.state_changed)
-          << IsaName(isa) << ", frame " << frame;
-      ASSERT_EQ(0, std::memcmp(&untouched, &s->position, sizeof untouched)) << IsaName(isa);
-    }
-  }
-}
-
 TEST(SimulateModal, SameBitsOnEverySetAtVertices) {
-  for (const BusyLayer& layer : kBusyLayers)
-    for (const ModalQuality quality :
-         {ModalQuality::kFast, ModalQuality::kFine, ModalQuality::kBest}) {
-      if (layer.clump) continue;
-      SCOPED_TRACE(testing::Message()
-                   << "layer " << &layer - kBusyLayers << ", quality " << int(quality));
-      ExpectStrandsStateAtVertices(layer, quality);
+  ForEveryBusyScene<4>(true, [](const auto& make, ModalQuality quality) {
+    const auto strands = make();
+    const auto sets = OnEverySet(make);
+    for (const auto& [isa, s] : sets) s->at_vertices = true;
+    const PointBlock<4> untouched = strands->position;
+    for (uint32_t frame = 0; frame < BusyFrames(quality); ++frame) {
+      RunBusyFrame(frame, Isa::kReference, *strands);
+      for (const auto& [isa, s] : sets) {
+        RunBusyFrame(frame, isa, *s);
+        SCOPED_TRACE(testing::Message() << IsaName(isa) << ", frame " << frame);
+        ASSERT_LT(s->Stretch(), 1e-5);
+        ASSERT_EQ(0, std::memcmp(&strands->chain, &s->chain, sizeof s->chain));
+        ASSERT_EQ(sets[0].second->state.state_changed, s->state.state_changed);
+        ASSERT_EQ(0, std::memcmp(&untouched, &s->position, sizeof untouched));
+      }
     }
+  });
 }
 
 std::unique_ptr<ModalScene<4>> RestingScene(uint32_t layer_flags = 0, bool at_vertices = false) {
@@ -210,10 +192,8 @@ void ExpectOnlyTheTouchedWake(ModalScene<4>& s, Change change) {
   for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
     SCOPED_TRACE(lane);
     for (uint32_t i = 0; i < 3; ++i) {
-      const auto turn = [&](int k) {
-        return double(s.chain.direction[i][k][lane]) - before.direction[i][k][lane];
-      };
-      ASSERT_LT(Norm({turn(0), turn(1), turn(2)}), modal::kStillTurn)
+      ASSERT_LT(Length(At(s.chain.direction[i], lane) - At(before.direction[i], lane)),
+                modal::kStillTurn)
           << "the change is not small enough to show anything";
     }
     EXPECT_GT(before.quiet_s[lane], 0.0f);
@@ -232,8 +212,7 @@ TEST(SimulateModal, ALongFrameCarriesStrandsWithTheirRoots) {
   constexpr double kWalk = 1.4, kHitch = 0.4;  // m/s, s
   const auto run = [](double hitch_s) {
     auto s = std::make_unique<ModalScene<4>>(StrandMaterial(4, 3.0, 0.1, 4.0), 16);
-    for (uint32_t lane = 0; lane < 16; ++lane)
-      s->SetRest(lane, 0.02, std::vector<Point3>(3, {0.8, 0.0, 0.6}));
+    s->SetRest(0.02, {0.8, 0.0, 0.6});
     double x = 0.0;
     const auto walk = [&](double dt) {
       x += kWalk * dt;
@@ -243,10 +222,10 @@ TEST(SimulateModal, ALongFrameCarriesStrandsWithTheirRoots) {
     for (int frame = 0; frame < 30; ++frame) walk(kDt);
     if (hitch_s > 0.0) walk(hitch_s);
     double worst = 0.0;
-    const Point3 before = s->Tip(0) + Point3{-x, 0.0, 0.0};
+    const Double3 before = s->Tip(0) - Double3{x, 0.0, 0.0};
     for (int frame = 0; frame < 30; ++frame) {
       walk(kDt);
-      worst = std::max(worst, Norm(s->Tip(0) + Point3{-x, 0.0, 0.0} + before * -1.0));
+      worst = std::max(worst, Length(s->Tip(0) - Double3{x, 0.0, 0.0} - before));
     }
     EXPECT_LT(s->Stretch(), 1e-5);
     return worst;
@@ -258,12 +237,11 @@ TEST(SimulateModal, ALongFrameCarriesStrandsWithTheirRoots) {
 
 TEST(SimulateModal, ALongFrameTurnsTheShapeWithTheRoot) {
   auto s = std::make_unique<ModalScene<4>>(StrandMaterial(4, 3.0, 0.1, 4.0), 16);
-  for (uint32_t lane = 0; lane < 16; ++lane)
-    s->SetRest(lane, 0.02, std::vector<Point3>(3, {0.8, 0.0, 0.6}));
+  s->SetRest(0.02, {0.8, 0.0, 0.6});
   s->Step(kDt);
   for (int frame = 0; frame < 20; ++frame) s->Step(kDt);
-  const Point3 before = s->Tip(0);
-  ASSERT_GT(Norm(before + Point3{-0.048, 0.0, -0.036}), 0.003) << "it hangs off its rest shape";
+  const Double3 before = s->Tip(0);
+  ASSERT_GT(Length(before + Double3{-0.048, 0.0, -0.036}), 0.003) << "it hangs off its rest shape";
   // A quarter turn about z, and a step aside.
   for (uint32_t lane = 0; lane < 16; ++lane) {
     s->roots.tangent[0][lane] = 0.0f;
@@ -271,12 +249,11 @@ TEST(SimulateModal, ALongFrameTurnsTheShapeWithTheRoot) {
     s->MoveRoot(lane, {0.5, 0.0, 0.0});
   }
   s->Step(0.3);
-  const Point3 after = s->Tip(0) + Point3{-0.5, 0.0, 0.0};
+  const Double3 after = s->Tip(0) + Double3{-0.5, 0.0, 0.0};
   // The least turn from (0.8, 0, 0.6) to (0, 0.8, 0.6) keeps length and angle to the rest shape.
-  const Point3 rest = {0.8, 0.0, 0.6}, turned = {0.0, 0.8, 0.6};
-  const auto along = [](Point3 a, Point3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; };
-  EXPECT_NEAR(Norm(after), Norm(before), 1e-6);
-  EXPECT_NEAR(along(after, turned), along(before, rest), 1e-6);
+  const Double3 rest = {0.8, 0.0, 0.6}, turned = {0.0, 0.8, 0.6};
+  EXPECT_NEAR(Length(after), Length(before), 1e-6);
+  EXPECT_NEAR(Dot(after, turned), Dot(before, rest), 1e-6);
   EXPECT_LT(s->Stretch(), 1e-5);
 }
 
@@ -372,7 +349,7 @@ std::vector<Trial> Trials() {
 
 TEST(SimulateModal, NothingBreaksIt) {
   for (const Trial& trial : Trials())
-    for (ModalQuality quality : {ModalQuality::kFast, ModalQuality::kFine, ModalQuality::kBest})
+    for (const ModalQuality quality : kQualities)
       for (const double rate : {15.0, 60.0, 240.0}) {
         SCOPED_TRACE(testing::Message()
                      << trial.name << ", quality " << int(quality) << ", " << rate << " fps");
@@ -398,11 +375,8 @@ TEST(SimulateModal, NothingBreaksIt) {
         if (trial.material.stiffness[0][0] == 0.0 && rate < 30.0) continue;
         // All lanes have one rest shape and so one place to settle.
         for (uint32_t lane = 1; lane < kStrandsPerChunk; ++lane) {
-          const auto offset = [&](uint32_t l) {
-            return s->Tip(l) - Point3{s->roots.position[0][l], s->roots.position[1][l],
-                                      s->roots.position[2][l]};
-          };
-          ASSERT_LT(Norm(offset(lane) - offset(1)), 1e-3 * 0.03) << "lane " << lane;
+          const auto offset = [&](uint32_t l) { return s->Tip(l) - At(s->roots.position, l); };
+          ASSERT_LT(Length(offset(lane) - offset(1)), 1e-3 * 0.03) << "lane " << lane;
         }
       }
 }

@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <memory>
-
 #include "tests/kernels/chain_scene.hpp"
 
 namespace pelt::test {
@@ -12,66 +10,35 @@ namespace {
 using V = Vec<IsaSse4>;
 using Verlet4 = SimulateVerlet<V, 4>;
 using Verlet5 = SimulateVerlet<V, 5>;
-
-template <uint32_t kPoints>
-auto NewScene() {
-  return std::make_unique<ChainScene<kPoints>>();
-}
-
-template <class K, uint32_t kPoints>
-double WorstOverRandomScenes(uint32_t scenes) {
-  auto before = NewScene<kPoints>(), after = NewScene<kPoints>();
-  double worst = 0.0;
-  for (uint32_t seed = 1; seed <= scenes; ++seed) {
-    MakeRandom(*before, seed);
-    *after = *before;
-    StepChains<K>(*after);
-    worst = std::max(worst, WorstDifference(*before, *after, ReferenceSolver::kVerlet, false));
-  }
-  return worst;
-}
-
-constexpr double kReferenceTolerance = 4e-4;  // segments; see simulate_pbd_test.cpp
+constexpr ReferenceSolver kSolver = ReferenceSolver::kVerlet;
 
 TEST(SimulateVerlet, MatchesDoubleReference) {
-  EXPECT_LT((WorstOverRandomScenes<Verlet4, 4>(150)), kReferenceTolerance);
-  EXPECT_LT((WorstOverRandomScenes<Verlet5, 5>(150)), kReferenceTolerance);
+  EXPECT_LT((WorstOfRandom<Verlet4, 4>(kSolver, false, 150)), kReferenceTolerance);
+  EXPECT_LT((WorstOfRandom<Verlet5, 5>(kSolver, false, 150)), kReferenceTolerance);
 }
 
 TEST(SimulateVerlet, ReferenceTellsTheOtherSolver) {
-  EXPECT_GT((WorstOverRandomScenes<SimulatePbd<V, 5, false>, 5>(5)), 100 * kReferenceTolerance);
+  EXPECT_GT((WorstOfRandom<SimulatePbd<V, 5, false>, 5>(kSolver, false, 5)),
+            100 * kReferenceTolerance);
 }
 
-TEST(SimulateVerlet, SameBitsOnEveryVector) {
-  auto start = NewScene<5>(), wanted = NewScene<5>(), got = NewScene<5>();
-  for (uint32_t seed = 1; seed <= 12; ++seed) {
-    MakeRandom(*start, seed);
-    start->params.rest_threshold = seed % 2 ? 0.3f : 0.0f;
-    *wanted = *start;
-    for (int frame = 0; frame < 3; ++frame) StepChains<Verlet5>(*wanted);
-    const auto check = [&]<class W>(const char* name) {
-      *got = *start;
-      for (int frame = 0; frame < 3; ++frame) StepChains<SimulateVerlet<W, 5>>(*got);
-      EXPECT_TRUE(SameChains(*wanted, *got)) << name << " seed " << seed;
-    };
-    check.template operator()<ArrayVec<4>>("array of 4");
-    check.template operator()<ArrayVec<8>>("array of 8");
-#if defined(__AVX2__)
-    check.template operator()<Vec<IsaAvx2>>("avx2");
-#endif
-#if defined(__AVX512F__)
-    check.template operator()<Vec<IsaAvx512>>("avx512");
-#endif
-  }
+template <class W>
+using KernelVerlet5 = SimulateVerlet<W, 5>;
+
+TEST(SimulateVerlet, SameBitsOnEveryVector) { ExpectSameStepsEverywhere<KernelVerlet5, 5>(); }
+
+// Roots 4 mm around their control's.
+void GatherAroundControls(ChainScene<5>& s) {
+  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
+    for (int k = 0; k < 3; ++k)
+      s.roots.position[k][lane] =
+          s.roots.position[k][s.strands.control[lane]] + 0.002f * float((lane >> k) % 3);
 }
 
 TEST(SimulateVerlet, ClumpingDrawsTipsTogetherAndLeavesControlsAlone) {
   auto loose = NewScene<5>(), clumped = NewScene<5>();
   MakeOrderly(*loose, 3);
-  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)  // roots 4 mm around their control's
-    for (int k = 0; k < 3; ++k)
-      loose->roots.position[k][lane] =
-          loose->roots.position[k][loose->strands.control[lane]] + 0.002f * float((lane >> k) % 3);
+  GatherAroundControls(*loose);
   *clumped = *loose;
   clumped->layer.flags |= kLayerClump;
   clumped->layer.clump = 0.4f;
@@ -104,12 +71,9 @@ TEST(SimulateVerlet, AStillSceneReachesAFixedPointWithoutBias) {
   for (const Layer& layer : {Layer{"default", 0.1f, 0.0f}, Layer{"clumped", 0.1f, 0.5f},
                              Layer{"soft", 0.02f, 0.0f}, Layer{"stiff", 0.5f, 0.2f}}) {
     MakeOrderly(*s, 23);
-    s->layer.stiffness = layer.stiffness;
+    s->layer.link.stiffness = layer.stiffness;
     s->layer.clump = layer.clump;
-    for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane)
-      for (int k = 0; k < 3; ++k)
-        s->roots.position[k][lane] =
-            s->roots.position[k][s->strands.control[lane]] + 0.002f * float((lane >> k) % 3);
+    GatherAroundControls(*s);
     if (layer.clump > 0) s->layer.flags |= kLayerClump;
     *exact = *s;
     exact->params.rest_threshold = 0.0f;
@@ -138,8 +102,8 @@ TEST(SimulateVerlet, MotionFollowCarriesTheChainAlong) {
   for (const float follow : {0.0f, 1.0f}) {
     MakeOrderly(*s, 5);
     s->layer.motion_follow = follow;
-    s->layer.stiffness = 0.0f;
-    s->layer.segment_hardness = 0.0f;
+    s->layer.link.stiffness = 0.0f;
+    s->layer.link.segment_hardness = 0.0f;
     s->layer.gravity[1] = 0.0f;
     s->params.rest_threshold = 0.0f;
     StepChains<Verlet5>(*s);
@@ -147,7 +111,8 @@ TEST(SimulateVerlet, MotionFollowCarriesTheChainAlong) {
     MoveRoots(*s, 0.01f, 0.002f, 0.0f);
     StepChains<Verlet5>(*s);
     for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
-      const D3 moved = At(s->position.position[3], lane) - At(before.position.position[3], lane);
+      const Double3 moved =
+          At(s->position.position[3], lane) - At(before.position.position[3], lane);
       EXPECT_NEAR(moved.x, follow * 0.01, 1e-6);
       EXPECT_NEAR(moved.y, follow * 0.002, 1e-6);
       // Carried motion is no velocity.
@@ -162,8 +127,8 @@ TEST(SimulateVerlet, StaysFiniteWhateverHappens) {
   for (uint32_t seed = 0; seed < 30; ++seed) {
     MakeRandom(*s, 2000 + seed);
     s->params.dt = seed % 2 ? 1.0f / 15.0f : 1.0f / 240.0f;
-    s->layer.segment_hardness = float(seed / 2 % 2);
-    s->layer.stiffness = float(seed / 4 % 2);
+    s->layer.link.segment_hardness = float(seed / 2 % 2);
+    s->layer.link.stiffness = float(seed / 4 % 2);
     s->layer.clump = float(seed / 8 % 2);
     std::memset(static_cast<void*>(&s->previous), 0, sizeof s->previous);  // thrown at 60 m/s
     for (int frame = 0; frame < 40; ++frame) {

@@ -9,13 +9,8 @@
 
 #include "tests/kernels/run_kernel.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
-
-using test::BitsOf;
-using test::ForEveryVector;
-using test::RunOnBlocks;
-using test::Uniform;
 
 struct Scene {
   PaletteBlock palette{};
@@ -40,7 +35,7 @@ void FillPalette(PaletteBlock& palette, uint32_t seed) {
 // last vertex, lanes beyond the rounded count are poison.
 std::unique_ptr<Scene> MakeScene(uint32_t live, uint32_t rows, uint32_t seed) {
   auto scene = std::make_unique<Scene>();
-  test::Poison(scene->mesh);
+  Poison(scene->mesh);
   FillPalette(scene->palette, seed);
   std::mt19937 random(seed + 1);
   MeshBlock& mesh = scene->mesh;
@@ -227,7 +222,7 @@ TEST(Skin, NothingMovesWithoutALastFrame) {
     if (cause == kTeleport) scene->palette.teleported = 1;
     if (cause == kNewVertices) scene->state.first_new_vertex = first_new = 21;
     // Last frame's values of a vertex without a last frame are what memory happened to hold.
-    for (uint32_t v = first_new; v < kVerticesPerChunk; ++v) test::Poison(scene->skinned.vertex[v]);
+    for (uint32_t v = first_new; v < kVerticesPerChunk; ++v) Poison(scene->skinned.vertex[v]);
     scene->Run<ArrayVec<8>>();
     for (uint32_t v = 0; v < 64; ++v) {
       for (int c = 0; c < 4; ++c) {
@@ -280,4 +275,4 @@ TEST(Skin, FramesStayUnitWhenNormalsCancelCollapseOrExplode) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

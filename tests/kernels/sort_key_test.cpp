@@ -6,13 +6,10 @@
 #include <cmath>
 #include <limits>
 
-#include "tests/kernels/every_vector.hpp"
+#include "tests/kernels/run_kernel.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
-
-using test::Blocks;
-using test::Uniform;
 
 template <uint32_t kPoints>
 struct World {
@@ -43,7 +40,7 @@ struct World {
   }
   template <class V = ArrayVec<4>>
   void Run() {
-    test::RunKernel<SortKey<V, kPoints>>(
+    RunKernel<SortKey<V, kPoints>>(
         params, {layer.Bind(), state.Bind(), roots.Bind(), points.Bind(), keys.Bind()});
   }
   double Depth(uint32_t s) const {
@@ -189,7 +186,7 @@ TEST(SortKey, AStrandAtTheEyeIsDrawn) {
 }
 
 TEST(SortKey, SameBitsOnEveryVector) {
-  test::ForEveryVector([]<class V>(const char* name) {
+  ForEveryVector([]<class V>(const char* name) {
     for (uint32_t live : {1u, 37u, 60u, kStrandsPerChunk})
       for (const uint32_t points : {4u, 5u, 9u})
         WithPoints(points, [&]<uint32_t kPoints> {
@@ -203,4 +200,4 @@ TEST(SortKey, SameBitsOnEveryVector) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

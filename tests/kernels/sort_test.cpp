@@ -7,12 +7,10 @@
 #include "core/kernels/collect_changes.hpp"
 #include "core/kernels/sort_layer.hpp"
 #include "core/kernels/sort_pieces.hpp"
-#include "tests/kernels/every_vector.hpp"
+#include "tests/kernels/run_kernel.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
-
-using test::Blocks;
 
 struct World {
   uint32_t chunks;
@@ -45,7 +43,7 @@ struct World {
 
   template <class V>
   std::vector<uint32_t> SortWhole() {
-    test::RunKernel<SortLayer<V>>({keys.Bind(), words.Bind(), order.Bind()});
+    RunKernel<SortLayer<V>>({keys.Bind(), words.Bind(), order.Bind()});
     return Order();
   }
 
@@ -54,16 +52,15 @@ struct World {
   void SortDigit(const std::vector<uint32_t>& sequence) {
     Blocks<SortPairBlock>& from = kDigit == 2 ? b : a;
     for (uint32_t c : sequence)
-      test::RunKernel<SortCount<V, kDigit>>(
-          {kDigit == 0 ? keys.Bind(c) : from.Bind(c), digits.Bind(c)});
-    test::RunKernel<SortOffsets<V, kDigit>>({digits.Bind()});
+      RunKernel<SortCount<V, kDigit>>({kDigit == 0 ? keys.Bind(c) : from.Bind(c), digits.Bind(c)});
+    RunKernel<SortOffsets<V, kDigit>>({digits.Bind()});
     for (uint32_t c : sequence) {
       if constexpr (kDigit == 0)
-        test::RunKernel<SortScatter<V, 0>>({state.Bind(c), keys.Bind(c), digits.Bind(c), a.Bind()});
+        RunKernel<SortScatter<V, 0>>({state.Bind(c), keys.Bind(c), digits.Bind(c), a.Bind()});
       else if constexpr (kDigit == 3)
-        test::RunKernel<SortScatter<V, 3>>({a.Bind(c), digits.Bind(c), order.Bind()});
+        RunKernel<SortScatter<V, 3>>({a.Bind(c), digits.Bind(c), order.Bind()});
       else
-        test::RunKernel<SortScatter<V, kDigit>>(
+        RunKernel<SortScatter<V, kDigit>>(
             {from.Bind(c), digits.Bind(c), kDigit == 1 ? b.Bind() : a.Bind()});
     }
   }
@@ -105,11 +102,11 @@ const Case kCases[] = {
     {"any bits", [](std::mt19937& r, uint32_t, uint32_t) { return uint32_t(r()); }},
     {"a layer's depths, every third facing away",
      [](std::mt19937& r, uint32_t, uint32_t) {
-       return r() % 3 ? DepthKey(test::Uniform(r, 2.9f, 3.2f)) : kCulledKey;
+       return r() % 3 ? DepthKey(Uniform(r, 2.9f, 3.2f)) : kCulledKey;
      }},
     {"both sides of the eye",
      [](std::mt19937& r, uint32_t, uint32_t) {
-       const float d = test::Uniform(r, -1.0f, 1.0f);
+       const float d = Uniform(r, -1.0f, 1.0f);
        uint32_t bits;
        std::memcpy(&bits, &d, sizeof bits);
        return d < 0.0f ? bits : bits ^ 0x7fffffffu;
@@ -136,7 +133,7 @@ const Case kCases[] = {
 };
 
 TEST(Sort, WholeAndPiecesGiveTheStableOrder) {
-  test::ForEveryVector([]<class V>(const char* vector_name) {
+  ForEveryVector([]<class V>(const char* vector_name) {
     for (const Case& c : kCases)
       for (uint32_t chunks : {1u, 2u, 5u, 37u}) {
         std::mt19937 random(chunks);
@@ -182,13 +179,13 @@ TEST(Sort, ScatterByListPutsTheSameStrands) {
   using V = ArrayVec<4>;
   std::vector<SortPair> placed(world.lanes());
   for (uint32_t c = 0; c < 3; ++c)
-    test::RunKernel<SortCount<V, 0>>({world.keys.Bind(c), world.digits.Bind(c)});
-  test::RunKernel<SortOffsets<V, 0>>({world.digits.Bind()});
+    RunKernel<SortCount<V, 0>>({world.keys.Bind(c), world.digits.Bind(c)});
+  RunKernel<SortOffsets<V, 0>>({world.digits.Bind()});
   std::vector<int> writes(world.lanes(), 0);
   for (uint32_t c = 0; c < 3; ++c) {
     Blocks<SortPairBlock> list(1);
     uint32_t index[kStrandsPerChunk];
-    test::RunKernel<SortScatter<V, 0>>(
+    RunKernel<SortScatter<V, 0>>(
         {world.state.Bind(c), world.keys.Bind(c), world.digits.Bind(c), list.BindList(index)});
     for (uint32_t i = 0; i < kStrandsPerChunk; ++i) {
       placed[index[i]] = list[0].pair[i];
@@ -232,8 +229,8 @@ struct ChangesWorld {
   Blocks<ChunkStateBlock> chunks{5, 0};
   Blocks<LayerSortBlock> sort{1};
   const LayerSortBlock& Run(uint32_t switches, uint32_t view_changed) {
-    test::RunKernel<CollectChanges<ArrayVec<4>>>({switches, view_changed},
-                                                 {layer.Bind(), chunks.Bind(), sort.Bind()});
+    RunKernel<CollectChanges<ArrayVec<4>>>({switches, view_changed},
+                                           {layer.Bind(), chunks.Bind(), sort.Bind()});
     return sort[0];
   }
 };
@@ -277,4 +274,4 @@ TEST(CollectChanges, WithoutTheSwitchVisibleLayersAlwaysChangeAndHiddenOnesNever
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

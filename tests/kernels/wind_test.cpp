@@ -11,14 +11,8 @@
 
 #include "tests/kernels/run_kernel.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
-
-using test::BitsOf;
-using test::ExpectSameBits;
-using test::ForEveryVector;
-using test::RunOnBlocks;
-using test::Uniform;
 
 using Ref = ArrayVec<4>;
 
@@ -209,7 +203,7 @@ const WindParams kBreeze = {{2.0f, -0.5f, 1.0f}, 0.8f, 3.0f, {10.25f, 255.5f, 0.
 
 template <class V, bool kVertexChains>
 void RunWind(const WindParams& params, Scene& scene) {
-  test::Poison(scene.wind);
+  Poison(scene.wind);
   RunOnBlocks<Wind<V, kVertexChains>>(&params, scene.state, scene.layer, scene.roots, scene.wind);
 }
 
@@ -313,4 +307,4 @@ TEST(WindSetup, TurbulenceInCalmAirStillChanges) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

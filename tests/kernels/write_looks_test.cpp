@@ -9,12 +9,8 @@
 
 #include "tests/kernels/run_kernel.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
-
-using test::ForEveryVector;
-using test::RunOnBlocks;
-using test::Uniform;
 
 struct Scene {
   LayerBlock layer{};
@@ -25,17 +21,11 @@ struct Scene {
 
   template <class V>
   LookBlock Run() {
-    LookBlock looks;
-    test::Poison(looks);
-    RunOnBlocks<WriteLooks<V, false>>(nullptr, layer, state, uv, roots, looks);
-    return looks;
+    return OutputOf<WriteLooks<V, false>, LookBlock>(nullptr, layer, state, uv, roots);
   }
   template <class V>
   LookBlock RunPainted() {
-    LookBlock looks;
-    test::Poison(looks);
-    RunOnBlocks<WriteLooks<V, true>>(nullptr, layer, state, uv, roots, paint, looks);
-    return looks;
+    return OutputOf<WriteLooks<V, true>, LookBlock>(nullptr, layer, state, uv, roots, paint);
   }
 };
 
@@ -165,15 +155,12 @@ TEST(WriteLooks, SameRecordsOnEveryVector) {
     Scene scene = MakeScene(live, live);
     scene.layer.wetness = 0.3f;
     scene.layer.mud = 0.6f;
-    const LookBlock expected = scene.Run<ArrayVec<4>>(), painted = scene.RunPainted<ArrayVec<4>>();
-    ForEveryVector([&]<class V>(const char* name) {
-      LookBlock found = scene.Run<V>();
-      EXPECT_EQ(std::memcmp(&found, &expected, sizeof found), 0) << name << " " << live;
-      found = scene.RunPainted<V>();
-      EXPECT_EQ(std::memcmp(&found, &painted, sizeof found), 0) << name << " " << live;
-    });
+    ExpectOnEveryVector(
+        scene.Run<ArrayVec<4>>(), [&]<class V> { return scene.Run<V>(); }, live);
+    ExpectOnEveryVector(
+        scene.RunPainted<ArrayVec<4>>(), [&]<class V> { return scene.RunPainted<V>(); }, live);
   }
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

@@ -1,12 +1,12 @@
-// What kernels fetch ahead: between them a chunk's groups ask for every line of the rows that is
+// What kernels prefetch: between them a chunk's groups ask for every line of the rows that is
 // still to come in the chunk, and for those that the next chunk begins with, and for no other twice.
-#include "core/kernels/fetch_ahead.hpp"
+#include "core/kernels/prefetch.hpp"
 
 #include <gtest/gtest.h>
 
 #include <map>
 
-namespace pelt {
+namespace pelt::test {
 namespace {
 
 constexpr uint32_t kPitch = 512;
@@ -16,7 +16,7 @@ struct Block {
 
 // How often each address was asked for, in bytes from the first row on.
 template <int kLanes, uint32_t kRows, uint32_t kLines>
-std::map<int64_t, int> CountFetches(uint32_t end) {
+std::map<int64_t, int> CountLines(uint32_t end) {
   std::map<int64_t, int> count;
   static const Block block{};
   for (uint32_t lane = 0; lane < end; lane += kLanes) {
@@ -35,7 +35,7 @@ void ExpectEachLineOnce(uint32_t end) {
                                   << " lines on, end " << end);
   const uint32_t line_lanes = kLanes < 16 ? 16 : uint32_t(kLanes), step = 4 * line_lanes;
   const uint32_t lines = (end + line_lanes - 1) / line_lanes;
-  auto count = CountFetches<kLanes, kRows, kLines>(end);
+  auto count = CountLines<kLanes, kRows, kLines>(end);
   for (uint32_t row = 0; row < kRows; ++row) {
     for (uint32_t line = kLines; line < lines + kLines; ++line) {
       const int64_t at = line < lines ? line * step : sizeof(Block) + (line - lines) * step;
@@ -69,4 +69,4 @@ TEST(RowsAhead, AsksForEveryLineToComeOnce) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

@@ -156,11 +156,11 @@ PELT_INLINE void AddPush(Vec3<W> axis, W size, const W (&give)[N], const W (&pul
 
 // How pushed places go with each other's pushes, the lengths kept: the Schur complement, by their order in the list.
 template <class W, uint32_t N, uint32_t Q>
-struct PushCoupling {
+struct ContactSchur {
   W between[Q][Q];
   W inverse[Q];  // of how far each gives way to its own push
 
-  PELT_INLINE PushCoupling(const PushMetric<W, N>& metric, const PushedPlaces<Q>& places,
+  PELT_INLINE ContactSchur(const PushMetric<W, N>& metric, const PushedPlaces<Q>& places,
                            const Vec3<W> (&normal)[Q], const W (&lever)[Q][N]) {
     W half[Q][N];  // L^-1 of what a place's push pulls along the tangents, of the lengths' L D L^T
     for (uint32_t a = 0; a < places.count; ++a) {
@@ -203,7 +203,7 @@ PELT_INLINE void SolvePushes(const PushMetric<W, N>& metric, const PushedPlaces<
                              const Vec3<W> (&normal)[Q], const W (&lever)[Q][N],
                              const W (&wanted)[Q], const W (&least)[Q], W (&push)[Q],
                              Pushed<W, N>& all) {
-  const PushCoupling<W, N, Q> coupling(metric, places, normal, lever);
+  const ContactSchur<W, N, Q> schur(metric, places, normal, lever);
   W left[Q];
   for (uint32_t a = 0; a < places.count; ++a) {
     left[a] = wanted[places.place[a]];
@@ -213,9 +213,9 @@ PELT_INLINE void SolvePushes(const PushMetric<W, N>& metric, const PushedPlaces<
   for (int sweep = 0; sweep < kTouchSweeps; ++sweep)
     for (uint32_t a = 0; a < places.count; ++a) {
       const uint32_t q = places.place[a];
-      const W to = Max(push[q] + left[a] * coupling.inverse[a], least[q]), step = to - push[q];
+      const W to = Max(push[q] + left[a] * schur.inverse[a], least[q]), step = to - push[q];
       push[q] = to;
-      for (uint32_t b = 0; b < places.count; ++b) left[b] = left[b] - coupling.between[a][b] * step;
+      for (uint32_t b = 0; b < places.count; ++b) left[b] = left[b] - schur.between[a][b] * step;
     }
   all.Take(metric, places, normal, lever, push);
 }
