@@ -4,6 +4,8 @@
 
 #include "core/float_environment.hpp"
 #include "core/float_rules.hpp"
+#include "core/kernels/modal_contact.hpp"
+#include "core/kernels/modal_curve.hpp"
 
 namespace pelt {
 namespace {
@@ -16,11 +18,11 @@ void AddStrands(const FrameMemory& memory, VertexOrder vertex_order, uint32_t fi
     draw.live_strands += memory.Of<&Streams::chunk_state>(c)->live_strands;
   if (memory.shape->layer_kind[draw.layer] & kLayerLit)
     draw.looks = {memory.Of<&Streams::looks>(first)->record, size_t(chunks) * kStrandsPerChunk};
-  const OutputRow& row = draw.format();
+  const OutputEntry& entry = draw.format();
   const bool sorted = vertex_order == VertexOrder::kSorted;
   const size_t strands = sorted ? draw.strand_count : size_t(chunks) * kStrandsPerChunk;
-  draw.vertices = {memory.Block(sorted ? row.in_draw_order : row.in_strand_order, first),
-                   strands * row.StrandBytes()};
+  draw.vertices = {memory.Block(sorted ? entry.in_draw_order : entry.in_strand_order, first),
+                   strands * entry.StrandBytes()};
 }
 
 void AddShells(const FrameMemory& memory, LayerDraw& draw) {
@@ -67,18 +69,44 @@ uint32_t CopyCurves(const FrameMemory& memory, uint32_t layer, std::span<StrandC
   const FloatEnvironment guard;
   const SceneShape& shape = *memory.shape;
   if (layer >= shape.layer_count) return 0;
-  const OutputRow& row = kOutputs[OutputOf(shape.layer_kind[layer])];
-  if (!row.OfStrands()) return 0;
+  const OutputEntry& entry = kOutputs[OutputOf(shape.layer_kind[layer])];
+  if (!entry.OfStrands()) return 0;
   const float tip_width = memory.Of<&Streams::layers>(layer)->tip_width;
   size_t written = 0;
   for (uint32_t c = shape.layer_first_chunk[layer]; c < shape.layer_first_chunk[layer + 1]; ++c) {
-    const std::byte* records = memory.Block(row.curves, c);
+    const std::byte* records = memory.Block(entry.curves, c);
     const size_t live = memory.Of<&Streams::chunk_state>(c)->live_strands;
     const size_t end = std::min(out.size(), written + live);
     for (size_t i = 0; written < end; ++i, ++written)
-      out[written] = row.read_curve(records + i * row.curve_bytes, tip_width);
+      out[written] = entry.read_curve(records + i * entry.curve_bytes, tip_width);
   }
   return uint32_t(written);
+}
+
+PointBlock<4> CopyChainPoints(const FrameMemory& memory, uint32_t patch) {
+  const uint32_t number = memory.shape->patch_layer[patch];
+  if (!(memory.shape->layer_kind[number] & kLayerModal))
+    return *memory.Of<&Streams::vertex_points>(patch);
+  const FloatEnvironment guard;
+  using V = ArrayVec<4>;
+  constexpr uint32_t N = NodesOf(4);
+  const ModalTableBlock& table = *memory.Of<&Streams::modal_tables>(number);
+  const RestBlock<4>& rest_block = *memory.Of<&Streams::vertex_rest>(patch);
+  const ModalStateBlock<N>& state = *memory.Of<&Streams::vertex_modal>(patch);
+  PointBlock<4> points;
+  for (uint32_t lane = 0; lane < kVerticesPerChunk; lane += V::kLanes) {
+    chain::Group<V, N> g;
+    chain::LoadGroom<V, 4>(rest_block, *memory.Of<&Streams::anchors>(patch), 0.0f,
+                           memory.Of<&Streams::layers>(number)->scale, lane, g);
+    Vec3<V> rest[N], d[N];
+    modal::RestTangents(table, g, V(1.0f) / g.length, rest);
+    for (uint32_t i = 0; i < N; ++i) d[i] = Load3<V>(state.direction[i], lane);
+    modal::DrawCurve(table, d, rest, g);
+    const V strength = V::Load(rest_block.strength + lane);
+    modal::Weaken(strength >= V(1.0f), strength, g);
+    for (uint32_t i = 0; i < N; ++i) Store3(points.position[i], lane, g.root + g.point[i]);
+  }
+  return points;
 }
 
 namespace {

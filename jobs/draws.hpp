@@ -45,12 +45,12 @@ struct Fin {
 
 struct LayerDraw {
   uint32_t layer;  // of the scene
-  Output output;   // its row of kOutputs says what a vertex is
+  Output output;   // its entry of kOutputs says what a vertex is
   // Shells: of every vertex of the layer, in the order of `shells.skin`; strand_count is 0, and no
-  // strand has an order. VertexOrder::kSorted: of the strands to draw, in drawing order. kIndexBuffer: of every place of
-  // the layer, in strand order, those that `order` does not name holding anything.
+  // strand has an order. VertexOrder::kSorted: of the strands to draw, in drawing order. kIndexBuffer: of every place
+  // of the layer, in strand order, those that `order` does not name holding anything.
   std::span<const std::byte> vertices;
-  // To draw: instances, or times OutputRow::vertices_per_strand vertices.
+  // To draw: instances, or times OutputEntry::vertices_per_strand vertices.
   uint32_t strand_count;
   // The strand at each place of the drawing order, in either VertexOrder.
   std::span<const uint32_t> order;
@@ -71,7 +71,7 @@ struct LayerDraw {
   // soaked strand keeps, and the sRGB colour that mud is mixed in with. Else 1, and 0.
   float wet_darken, mud_colour[3];
 
-  const OutputRow& format() const { return kOutputs[size_t(output)]; }
+  const OutputEntry& format() const { return kOutputs[size_t(output)]; }
   // The vertices as what they are, CurveRecord, RibbonVertex, LineVertex or ShellVertex;
   // empty for another format's type.
   template <class Vertex>
@@ -94,6 +94,9 @@ constexpr uint32_t CurvePieces(float longest_px) {
 // Of a frame that has run; `draws` has room for the scene's layers.
 void FindDraws(const FrameMemory& memory, VertexOrder vertex_order, std::vector<LayerDraw>& draws);
 uint32_t CopyCurves(const FrameMemory& memory, uint32_t layer, std::span<StrandCurve> out);
+// Where the points behind the roots of a patch's chains at mesh vertices are. Of modal ones the frame keeps the state
+// alone, and they are worked out here.
+PointBlock<4> CopyChainPoints(const FrameMemory& memory, uint32_t patch);
 
 // Of any layer at any time: its triangles and their places on the skin do not change. Empty for layers
 // of strands.

@@ -1,5 +1,5 @@
-// Pictures between two frames of the simulation, for a display that is faster than it is: strands, shells, skins and the
-// camera on their way from one to the next. Colours and drawing order are the later frame's.
+// Pictures between two frames of the simulation, for a display that is faster than it is: strands, shells, skins and
+// the camera on their way from one to the next. Colours and drawing order are the later frame's.
 #pragma once
 
 #include <optional>
@@ -15,8 +15,8 @@ class FrameBlend {
   void Forget() { kept_.reset(); }
   bool HasFrame() const { return kept_.has_value(); }
 
-  // `shown`, of the frame after the kept one, as it is at `share` of the way, 0 to 1. What was not drawn before is where
-  // it is now. Its vertices then lie in its own memory.
+  // `shown`, of the frame after the kept one, as it is at `share` of the way, 0 to 1. What was not drawn before is
+  // where it is now. Its vertices then lie in its own memory.
   void Blend(float share, PictureScene& shown) const;
 
  private:

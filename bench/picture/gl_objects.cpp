@@ -168,8 +168,8 @@ std::string Add(const GlApi& gl, std::vector<GlProgram>& to, const char* name,
   return {};
 }
 
-constexpr size_t kStrandOutputs =
-    size_t(std::ranges::count_if(kOutputs, [](const OutputRow& row) { return row.OfStrands(); }));
+constexpr size_t kStrandOutputs = size_t(
+    std::ranges::count_if(kOutputs, [](const OutputEntry& entry) { return entry.OfStrands(); }));
 
 }  // namespace
 
@@ -182,7 +182,7 @@ std::string GlPrograms::AddStrands(const GlApi& gl, std::string_view defines) {
                  {strand_depth, "strand_depth.vert", "strand_depth.frag"},
                  {strand_shadow, "strand_shadow.vert", "shadow.frag"}};
   const std::string before(defines);
-  for (const OutputRow& output : kOutputs) {
+  for (const OutputEntry& output : kOutputs) {
     if (!output.OfStrands()) continue;
     for (const auto& [to, vertex, fragment] : kPasses)
       if (std::string fault = Add(gl, to, vertex, before + StrandText(vertex, output.name),

@@ -76,7 +76,7 @@ std::vector<RootTexels> RootsOf(const LayerDraw& draw, const std::vector<Hair>& 
 
 // Its place among the outputs of strands; of a layer with cards, behind all of them.
 size_t ProgramOf(Output output, const std::vector<Hair>& hairs) {
-  const auto of_strands = [](const OutputRow& row) { return row.OfStrands(); };
+  const auto of_strands = [](const OutputEntry& entry) { return entry.OfStrands(); };
   const auto place = std::count_if(kOutputs, kOutputs + size_t(output), of_strands);
   const bool cards = std::ranges::any_of(hairs, &Hair::is_card);
   return size_t(place + (cards ? std::ranges::count_if(kOutputs, of_strands) : 0));

@@ -1,5 +1,5 @@
-// How densely a layer grows, as texels over the character's UVs: masks and maps are finer than meshes, of which fur knows
-// its share at vertices alone.
+// How densely a layer grows, as texels over the character's UVs: masks and maps are finer than meshes, of which fur
+// knows its share at vertices alone.
 #pragma once
 
 #include <cstdint>
@@ -35,7 +35,8 @@ class GrowthSheets {
 using SharedGrowth = std::shared_ptr<const GrowthSheets>;
 
 // Null where it would hold no more than the vertices: for layers of strands that neither maps nor the character's own
-// images, `surface`, thin out, and where density is one everywhere. Null with a sentence in `notes` where the mesh's UVs allow none.
+// images, `surface`, thin out, and where density is one everywhere. Null with a sentence in `notes` where the mesh's
+// UVs allow none.
 SharedGrowth MakeGrowthSheets(const Character& character, const RestGeometry& rest,
                               const FurSetup& setup, const LayerSetup& layer,
                               const std::shared_ptr<const SurfaceColour>& surface,

@@ -13,14 +13,12 @@ void ReadCurve(const LayerDraw& draw, uint32_t strand, Hair& hair) {
   hair.knots = draw.pieces + 1;
   hair.base_colour = record.base_colour;
   hair.tip_colour = record.tip_colour;
-  hair.film_strip = record.tag >> 24;
+  hair.film_strip = StripOfTag(record.tag);
+  const Curve curve{VecOf(record.curve[0]), VecOf(record.curve[1]), VecOf(record.curve[2]),
+                    VecOf(record.curve[3])};
   for (uint32_t k = 0; k < hair.knots; ++k) {
     const float t = float(k) / float(draw.pieces);
-    for (int c = 0; c < 3; ++c)
-      hair.knot[k].at[c] =
-          record.curve[0][c] +
-          t * (record.curve[1][c] + t * (record.curve[2][c] + t * record.curve[3][c]));
-    hair.knot[k].width = record.width * (1.0f + (draw.tip_width - 1.0f) * t);
+    hair.knot[k] = {CurvePoint(curve, t), CurveWidth(record.width, draw.tip_width, t)};
   }
 }
 
@@ -30,11 +28,9 @@ void ReadRibbon(const LayerDraw& draw, uint32_t strand, Hair& hair) {
   hair.knots = kRibbonPoints;
   hair.base_colour = vertex.front().colour;
   hair.tip_colour = vertex.back().colour;
-  hair.film_strip = vertex.front().texture >> 8 & 255u;
+  hair.film_strip = StripOfRibbon(vertex.front().texture);
   for (uint32_t k = 0; k < kRibbonPoints; ++k) {
-    const float* l = vertex[2 * k].position;
-    const float* r = vertex[2 * k + 1].position;
-    const glm::vec3 left(l[0], l[1], l[2]), right(r[0], r[1], r[2]);
+    const glm::vec3 left = VecOf(vertex[2 * k].position), right = VecOf(vertex[2 * k + 1].position);
     hair.knot[k] = {(left + right) * 0.5f, glm::length(right - left)};
   }
 }
@@ -44,11 +40,9 @@ void ReadLine(const LayerDraw& draw, uint32_t strand, Hair& hair) {
   hair.knots = kRibbonPoints;
   hair.base_colour = vertex.front().colour;
   hair.tip_colour = vertex.back().colour;
-  hair.film_strip = vertex.front().tag >> 24;
-  for (uint32_t k = 0; k < kRibbonPoints; ++k) {
-    const float* p = vertex[k].position;
-    hair.knot[k] = {{p[0], p[1], p[2]}, vertex[k].width};
-  }
+  hair.film_strip = StripOfTag(vertex.front().tag);
+  for (uint32_t k = 0; k < kRibbonPoints; ++k)
+    hair.knot[k] = {VecOf(vertex[k].position), vertex[k].width};
 }
 
 // For each output, how the vertices of one strand of a draw are read.
@@ -85,12 +79,7 @@ float Hair::DepthOfLight() const {
   return std::max({height, 0.35f * length, 1e-4f});
 }
 
-glm::vec4 PaintOf(const LookRecord& record) {
-  glm::vec4 paint;
-  for (int c = 0; c < int(kPaintChannels); ++c)
-    paint[c] = float(record.amounts >> 8 * c & 255) / 255.0f;
-  return paint;
-}
+glm::vec4 PaintOf(const LookRecord& record) { return Unorm8x4(record.amounts); }
 
 PaintLook PaintLookOf(const LayerDraw& draw) {
   PaintLook look = kDefaultPaint;

@@ -35,8 +35,8 @@ struct PictureScene {
   VertexOrder order;
   PictureLook look;          // of what has none of its own
   std::vector<Body> bodies;  // one for each character
-  // In drawing order; and in the same places what each has to draw as hairs or is cut by. Vertices lie in the scene's memory: good
-  // until its next frame runs.
+  // In drawing order; and in the same places what each has to draw as hairs or is cut by. Vertices lie in the scene's
+  // memory: good until its next frame runs.
   std::vector<LayerDraw> draws;
   std::vector<std::vector<Hair>> layers;
   std::vector<FurTexture> textures;
@@ -47,7 +47,8 @@ struct PictureScene {
   // Of each draw, where its vertices are the picture's own (OwnVertices); else none.
   std::vector<std::vector<std::byte>> own_vertices;
   std::vector<std::vector<uint32_t>> own_orders;  // likewise, of LayerDraw::order
-  // A number of all that is here but the camera and what it is lit by: another picture that has it shows the same. 0: any.
+  // A number of all that is here but the camera and what it is lit by: another picture that has it shows the same. 0:
+  // any.
   uint64_t content = 0;
 
   // change(look) for each of them.

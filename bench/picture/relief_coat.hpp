@@ -1,5 +1,5 @@
-// Layers of fur that are drawn as relief on the skin instead of as hairs: bench/shading/shaders/relief.glsl with the layers' own
-// flow maps and a tile of hairs.
+// Layers of fur that are drawn as relief on the skin instead of as hairs: bench/shading/shaders/relief.glsl with the
+// layers' own flow maps and a tile of hairs.
 #pragma once
 
 #include <span>

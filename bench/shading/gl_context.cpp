@@ -100,13 +100,8 @@ struct GlContext::State {
   }
 };
 
-GlContext::GlContext(std::unique_ptr<State> state) : state_(std::move(state)) {}
-GlContext::GlContext(GlContext&&) noexcept = default;
-GlContext& GlContext::operator=(GlContext&&) noexcept = default;
-GlContext::~GlContext() = default;
-
 Result<GlContext> GlContext::Open() {
-  auto state = std::make_unique<State>();
+  auto state = std::make_shared<State>();
   if (std::string missing = state->Open(); !missing.empty())
     return Failure{"no OpenGL: " + std::move(missing)};
   return GlContext(std::move(state));

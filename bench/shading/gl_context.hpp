@@ -17,6 +17,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "core/error.hpp"
 
@@ -103,9 +104,8 @@ class GlContext {
  public:
   // Fails where no libEGL, no driver for it or no OpenGL 3.3 is here, and says which.
   static Result<GlContext> Open();
-  GlContext(GlContext&&) noexcept;
-  GlContext& operator=(GlContext&&) noexcept;
-  ~GlContext();
+  GlContext(GlContext&&) noexcept = default;
+  GlContext& operator=(GlContext&&) noexcept = default;
 
   const GlApi& gl() const;
   // The first line of each shader.
@@ -115,8 +115,9 @@ class GlContext {
 
  private:
   struct State;
-  explicit GlContext(std::unique_ptr<State> state);
-  std::unique_ptr<State> state_;
+  explicit GlContext(std::shared_ptr<State> state) : state_(std::move(state)) {}
+  // Of one owner: a unique_ptr could not end what is only declared here.
+  std::shared_ptr<State> state_;
 };
 
 // The files of bench/shading/shaders, by name, as CMakeLists.txt put them into the program, so that the command runs

@@ -37,7 +37,8 @@ std::string_view OwnText(std::string_view file) {
 
 std::string ShaderText(std::string_view file) {
   const std::string_view text = OwnText(file);
-  std::string whole(text.empty() ? text : OwnText("dialect.glsl"));
+  std::string whole;
+  if (!text.empty()) whole.append(OwnText("dialect.glsl")).append(OwnText("fur_vertex.glsl"));
   for (size_t at = text.find(kAfter); at != text.npos; at = text.find(kAfter, at)) {
     at += kAfter.size();
     whole += OwnText(text.substr(at, text.find('\n', at) - at));

@@ -11,9 +11,9 @@ namespace pelt {
 namespace shading {
 
 using glm::abs, glm::ceil, glm::clamp, glm::cos, glm::cross, glm::dot, glm::exp, glm::floor,
-    glm::length, glm::log, glm::max, glm::min, glm::mix, glm::normalize, glm::pow, glm::smoothstep,
-    glm::sqrt;
-using glm::mat3, glm::ivec2, glm::vec2, glm::vec3, glm::vec4;
+    glm::inversesqrt, glm::length, glm::log, glm::max, glm::min, glm::mix, glm::normalize, glm::pow,
+    glm::smoothstep, glm::sqrt;
+using glm::mat3, glm::ivec2, glm::uvec2, glm::vec2, glm::vec3, glm::vec4;
 using uint = uint32_t;
 
 #define CONST inline constexpr
@@ -27,6 +27,7 @@ using uint = uint32_t;
 #define inout
 #include "bench/shading/shaders/spherical_harmonics.glsl"
 #include "bench/shading/shaders/strand_shading.glsl"
+#include "jobs/shaders/fur_vertex.glsl"
 // These are put together of those before them.
 #include "bench/shading/shaders/film_strip.glsl"
 #include "bench/shading/shaders/relief.glsl"

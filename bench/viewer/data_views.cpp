@@ -5,8 +5,6 @@
 #include <cstring>
 #include <numeric>
 
-#include "core/kernels/modal_contact.hpp"
-#include "core/kernels/modal_curve.hpp"
 #include "core/random.hpp"
 #include "jobs/draws.hpp"
 
@@ -17,7 +15,8 @@ namespace {
 constexpr float kNormalLength = 0.025f, kNormalWidth = 0.003f, kChainWidth = 0.002f;
 constexpr float kStrandWidth = 0.001f;
 
-// ---- Colours, 0xAABBGGRR ----------------------------------------------------------------------------------------------
+// ---- Colours, 0xAABBGGRR
+// ----------------------------------------------------------------------------------------------
 
 constexpr uint32_t kOpaque = 0xff000000u;
 
@@ -40,7 +39,8 @@ uint32_t ColourOfNumber(uint32_t number) {
   return Rgb(r, g, b);
 }
 
-// ---- The fur's own strands in other colours ---------------------------------------------------------------------------
+// ---- The fur's own strands in other colours
+// ---------------------------------------------------------------------------
 
 void Recolour(uint32_t colour, CurveRecord& record) {
   record.base_colour = record.tip_colour = colour;
@@ -140,7 +140,8 @@ void ShowOrderError(const FurScene&, PictureScene& shown) {
   });
 }
 
-// ---- Lines in the place of the fur ------------------------------------------------------------------------------------
+// ---- Lines in the place of the fur
+// ------------------------------------------------------------------------------------
 
 struct Polyline {
   std::array<glm::vec3, kRibbonPoints> point;
@@ -240,30 +241,6 @@ void AddChains(const RootBlock& roots, const PointBlock<kPoints>& points, uint32
   }
 }
 
-// Where the points of a patch's modal chains are: the frame keeps their state alone.
-PointBlock<4> FindPoints(const FrameMemory& memory, uint32_t patch) {
-  using V = ArrayVec<4>;
-  constexpr uint32_t N = NodesOf(4);
-  const uint32_t number = memory.shape->patch_layer[patch];
-  const ModalTableBlock& table = *memory.Of<&Streams::modal_tables>(number);
-  const RestBlock<4>& rest_block = *memory.Of<&Streams::vertex_rest>(patch);
-  const ModalStateBlock<N>& state = *memory.Of<&Streams::vertex_modal>(patch);
-  PointBlock<4> points;
-  for (uint32_t lane = 0; lane < kVerticesPerChunk; lane += V::kLanes) {
-    chain::Group<V, N> g;
-    chain::LoadGroom<V, 4>(rest_block, *memory.Of<&Streams::anchors>(patch), 0.0f,
-                           memory.Of<&Streams::layers>(number)->scale, lane, g);
-    Vec3<V> rest[N], d[N];
-    modal::RestTangents(table, g, V(1.0f) / g.length, rest);
-    for (uint32_t i = 0; i < N; ++i) d[i] = Load3<V>(state.direction[i], lane);
-    modal::DrawCurve(table, d, rest, g);
-    const V strength = V::Load(rest_block.strength + lane);
-    modal::Weaken(strength >= V(1.0f), strength, g);
-    for (uint32_t i = 0; i < N; ++i) Store3(points.position[i], lane, g.root + g.point[i]);
-  }
-  return points;
-}
-
 void ShowChains(const FurScene& scene, PictureScene& shown) {
   ShowLines(scene, shown, [&](uint32_t layer) {
     std::vector<Polyline> lines;
@@ -273,8 +250,7 @@ void ShowChains(const FurScene& scene, PictureScene& shown) {
     if (kind & kLayerShells) return lines;
     for (uint32_t p = shape.layer_first_patch[layer];
          (kind & kLayerVertexChains) && p < shape.layer_first_patch[layer + 1]; ++p)
-      AddChains(*memory.Of<&Streams::anchors>(p),
-                kind & kLayerModal ? FindPoints(memory, p) : *memory.Of<&Streams::vertex_points>(p),
+      AddChains(*memory.Of<&Streams::anchors>(p), CopyChainPoints(memory, p),
                 memory.Of<&Streams::patch_state>(p)->live_chains, colour, lines);
     if (kind & kLayerVertexChains) return lines;
     for (uint32_t c = shape.layer_first_chunk[layer]; c < shape.layer_first_chunk[layer + 1]; ++c) {

@@ -1,4 +1,5 @@
-// What the page's module exports: a Viewer and the renderer behind plain functions. The caller is bench/viewer/worker.js.
+// What the page's module exports: a Viewer and the renderer behind plain functions. The caller is
+// bench/viewer/worker.js.
 //
 // Texts go in as UTF-8 in memory that Allocate gave, and come out as a pointer to TextSize() bytes, good until the
 // next call. What a call throws is said on standard error, and ends the module (wasm/throw.cpp).

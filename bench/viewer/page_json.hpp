@@ -11,7 +11,7 @@ namespace pelt {
 
 using PageJson = nlohmann::ordered_json;
 
-PageJson DescribeRow(const PageRow& row, const PageSettings& settings);
+PageJson DescribeEntry(const PageEntry& entry, const PageSettings& settings);
 PageJson DescribeOrbit(const PageCamera& camera);
 PageJson DescribeViews();  // DataViews()
 PageJson DescribePasses(const FurScene& scene);

@@ -34,10 +34,10 @@ const PictureScene& PageView::Picture(float share) {
   return kept_;
 }
 
-PageJson DescribeRow(const PageRow& row, const PageSettings& settings) {
-  return {{"key", row.key},          {"group", row.group}, {"unit", row.unit},
-          {"low", row.low},          {"high", row.high},   {"text", row.text},
-          {"switch", row.is_switch}, {"words", row.words}, {"value", row.get(settings)}};
+PageJson DescribeEntry(const PageEntry& entry, const PageSettings& settings) {
+  return {{"key", entry.key},          {"group", entry.group}, {"unit", entry.unit},
+          {"low", entry.low},          {"high", entry.high},   {"text", entry.text},
+          {"switch", entry.is_switch}, {"words", entry.words}, {"value", entry.get(settings)}};
 }
 
 PageJson DescribeOrbit(const PageCamera& camera) {

@@ -35,7 +35,7 @@ class PageView {
   virtual void Restart() = 0;
   // Whether no frame is left; Step begins again.
   virtual bool AtEnd() const { return false; }
-  // Of its rows of PageRows(), by key. Throws Error for one that is not there, or is out of bounds.
+  // Of its entries of PageEntries(), by key. Throws Error for one that is not there, or is out of bounds.
   virtual void Set(std::string_view key, double value) = 0;
   virtual void SetCamera(std::optional<PageCamera> camera) = 0;
   virtual void SetViewport(uint32_t, uint32_t) {}

@@ -128,10 +128,10 @@ const char* ReplayViewer::Step() {
 }
 
 void ReplayViewer::Set(std::string_view key, double value) {
-  const PageRow& row = PageRowFor(key, value);
-  if (!IsOfShowing(row)) throw Error(fmt::format("'{}': a recording has its own", key));
-  row.set(settings_, value);
-  if (!IsOfLight(row)) ForgetPicture();
+  const PageEntry& entry = PageEntryFor(key, value);
+  if (!IsOfShowing(entry)) throw Error(fmt::format("'{}': a recording has its own", key));
+  entry.set(settings_, value);
+  if (!IsOfLight(entry)) ForgetPicture();
 }
 
 void ReplayViewer::SetCamera(std::optional<PageCamera> camera) {
@@ -204,8 +204,8 @@ std::string ReplayViewer::Describe() const {
   json["camera"] = DescribeOrbit(OrbitFrom(log_.frames.front().input.camera));
   json["keys"] = json["setups"] = PageJson::array();
   json["settings"] = PageJson::array();
-  for (const PageRow& row : PageRows())
-    if (IsOfShowing(row)) json["settings"].push_back(DescribeRow(row, settings_));
+  for (const PageEntry& entry : PageEntries())
+    if (IsOfShowing(entry)) json["settings"].push_back(DescribeEntry(entry, settings_));
   json["channels"] = PageJson::array();
   json["views"] = DescribeViews();
   json["passes"] = DescribePasses(replay_->scene());

@@ -2,8 +2,8 @@
 // frame's digest is compared with the recorded one. There is no character in a recording: fur alone is drawn.
 //
 // The frames' input stays as it is. The user may stand elsewhere: the frame that ran is then drawn from there, by a
-// frame of no time, which changes no bit of the next. Layers that the recorded camera did not have in sight, and strands
-// that were too far from it, are left out all the same.
+// frame of no time, which changes no bit of the next. Layers that the recorded camera did not have in sight, and
+// strands that were too far from it, are left out all the same.
 #pragma once
 
 #include <map>

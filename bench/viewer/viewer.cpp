@@ -21,8 +21,8 @@ glm::vec3 VecOfPlace(const float* p) { return {p[0], p[1], p[2]}; }
 // Once for all layers, which have the values alone.
 Json DescribeKeys() {
   Json keys = Json::array();
-  for (const KeyRow<LayerSetup>& row : Schema<LayerSetup>()) {
-    const KeyInfo& info = row.info;
+  for (const KeyEntry<LayerSetup>& entry : Schema<LayerSetup>()) {
+    const KeyInfo& info = entry.info;
     Json& key = keys.emplace_back(Json{{"key", info.key},
                                        {"type", info.type},
                                        {"unit", info.unit},
@@ -40,8 +40,8 @@ Json DescribeSetups(const Scenario& scenario) {
     Json layers = Json::array();
     for (const LayerSetup& layer : scenario.setups[s].layers) {
       Json values = Json::array();
-      for (const KeyRow<LayerSetup>& row : Schema<LayerSetup>())
-        values.push_back(row.show(row.info, layer));
+      for (const KeyEntry<LayerSetup>& entry : Schema<LayerSetup>())
+        values.push_back(entry.show(entry.info, layer));
       layers.push_back({{"name", layer.name}, {"values", values}});
     }
     setups.push_back({{"name", scenario.characters[s].name}, {"layers", layers}});
@@ -50,9 +50,9 @@ Json DescribeSetups(const Scenario& scenario) {
 }
 
 Json DescribeSettings(const PageSettings& settings) {
-  Json rows = Json::array();
-  for (const PageRow& row : PageRows()) rows.push_back(DescribeRow(row, settings));
-  return rows;
+  Json entries = Json::array();
+  for (const PageEntry& entry : PageEntries()) entries.push_back(DescribeEntry(entry, settings));
+  return entries;
 }
 
 // Where the ray meets the triangle: how far on, or less than 0.
@@ -73,7 +73,7 @@ void Viewer::Load() {
   auto scenario = std::make_unique<Scenario>(LoadScenario(request_));
   if (painted_) PaintAll(*scenario, {});
   auto settings = std::make_unique<PageSettings>(PageSettings{*scenario});
-  for (const auto& [row, value] : set_) row->set(*settings, value);
+  for (const auto& [entry, value] : set_) entry->set(*settings, value);
   auto maps = std::make_unique<PictureMaps>(*scenario);
   if (!running_ || !running_->GoOnWith(*scenario)) Begin(*scenario, settings->isa);
   maps_ = std::move(maps);
@@ -129,13 +129,13 @@ void Viewer::ReplaceSetup(size_t setup, std::string text) {
 }
 
 void Viewer::Set(std::string_view key, double value) {
-  const PageRow& row = PageRowFor(key, value);
+  const PageEntry& entry = PageEntryFor(key, value);
   const double dt_s = scenario_->dt_s;
   const Isa isa = settings_->isa;
-  row.set(*settings_, value);
-  is_stale_ |= !IsOfShowing(row);
-  if (!IsOfLight(row)) ForgetPicture();
-  set_[&row] = value;
+  entry.set(*settings_, value);
+  is_stale_ |= !IsOfShowing(entry);
+  if (!IsOfLight(entry)) ForgetPicture();
+  set_[&entry] = value;
   if (settings_->isa != isa) ChangeKernels();
   // Time goes on where it is, to the next of the new frames.
   if (scenario_->dt_s != dt_s)

@@ -38,9 +38,9 @@ class Viewer final : public PageView {
   // Digests are taken of frames below this one; at first of all. They are a good part of a frame's time.
   void TakeDigests(uint32_t frames) { digest_frames_ = frames; }
 
-  // One of the scene's setups in which a layer's key has another value, and the scene that it makes. It goes on from the
-  // state that there is, at the frame that is next; on its groom where it has other strands (FurScene::ReplaceGrooms).
-  // Throws Error and changes nothing where the setup or the value is not taken.
+  // One of the scene's setups in which a layer's key has another value, and the scene that it makes. It goes on from
+  // the state that there is, at the frame that is next; on its groom where it has other strands
+  // (FurScene::ReplaceGrooms). Throws Error and changes nothing where the setup or the value is not taken.
   void ChangeKey(size_t setup, std::string_view layer, std::string_view key,
                  std::string_view value);
   void ReplaceSetup(size_t setup, std::string text);
@@ -50,8 +50,8 @@ class Viewer final : public PageView {
 
   void Set(std::string_view key, double value) override;
   void SetCamera(std::optional<PageCamera> camera) override;
-  // Another camera, or other skips and detail: the frame that ran is drawn once more by one of no time, which changes no
-  // bit of the next.
+  // Another camera, or other skips and detail: the frame that ran is drawn once more by one of no time, which changes
+  // no bit of the next.
   void Look() override;
   void SetViewport(uint32_t width_px, uint32_t height_px) override;
   // The user's ball: where it is, in frames from the next one on; `radius` is a setting.
@@ -86,7 +86,7 @@ class Viewer final : public PageView {
   ScenarioRequest request_;
   std::unique_ptr<Scenario> scenario_;
   std::unique_ptr<PageSettings> settings_;
-  std::map<const PageRow*, double> set_;  // by the user, for the scenario that comes next
+  std::map<const PageEntry*, double> set_;  // by the user, for the scenario that comes next
   std::unique_ptr<PictureMaps> maps_;
   std::unique_ptr<RunningScenario> running_;
   std::unique_ptr<FrameRecording> times_;

@@ -2,6 +2,7 @@
 // the side. 12 bytes an instance, of WriteFins; the shells' vertices and their places on the skin's
 // texture are read as structured buffers.
 //   DrawInstanced(10, fin_count, 0, 0) with D3D_PRIMITIVE_TOPOLOGY_TRIANGLESTRIP
+#include "fur_vertex.hlsl"
 
 struct Vertex {
   float3 position;   // m, world
@@ -20,54 +21,20 @@ cbuffer Frame : register(b0) {
   float shadow;
 };
 
-struct Fur {
-  float4 position : SV_Position;
-  float4 colour : COLOR;  // linear; a: fade, which the colour is to be multiplied with too
-  float3 direction : TANGENT;
-  float3 normal : NORMAL;  // of the skin
-  float2 uv : TEXCOORD0;
-  float2 stencil_threshold : TEXCOORD1;  // drawn where texture * x > y
-  float light_left : TEXCOORD2;
-};
-
-float3 Linear(float3 srgb) {
-  const float3 low = srgb / 12.92;
-  const float3 high = pow((srgb + 0.055) / 1.055, 2.4);
-  return lerp(low, high, step(0.04045, srgb));
-}
-
-float3 NormalizeOr(float3 a, float3 otherwise) {
-  const float squared = dot(a, a);
-  return squared > 1e-20 ? a * rsqrt(squared) : otherwise;
-}
-
-float3 UnpackNormal(uint packed) {
-  const float2 at = max(float2(int2(packed << 16, packed) >> 16) / 32767.0, -1.0);
-  float3 n = float3(at, 1.0 - abs(at.x) - abs(at.y));
-  const float fold = max(-n.z, 0.0);
-  n.x += n.x >= 0.0 ? -fold : fold;
-  n.y += n.y >= 0.0 ? -fold : fold;
-  return normalize(n);
-}
-
-float4 UnpackColour(uint colour) {
-  return float4(uint4(colour, colour >> 8, colour >> 16, colour >> 24) & 255) / 255.0;
-}
-
 // Of an instance, R32G32B32_UINT at offset 0: from, to, fade of 255.
 Fur main(uint3 fin : TEXCOORD0, uint vertex : SV_VertexID) {
   const uint end = vertex % 2 == 0 ? fin.x : fin.y;
   const Vertex at = vertices[end];
   const float height = float(vertex / 2) / 4.0;
-  const float4 base = UnpackColour(at.base_colour), tip = UnpackColour(at.tip_colour);
+  const float4 base = Unorm8x4(at.base_colour), tip = Unorm8x4(at.tip_colour);
   Fur fur;
-  fur.normal = UnpackNormal(at.normal);
-  fur.colour = float4(lerp(Linear(base.rgb), Linear(tip.rgb), height), float(fin.z) / 255.0);
-  fur.direction = NormalizeOr(at.groom + 2.0 * height * at.force, fur.normal);
+  fur.normal = OctahedralNormal(at.normal);
+  fur.colour = float4(HairColour(base, tip, height).rgb, float(fin.z) / 255.0);
+  fur.direction = NormalizeOr(ShellSlope(at.groom, at.force, height), fur.normal);
   fur.uv = uvs[end] * texture_repeat;
   fur.stencil_threshold = float2(base.a, height);
   fur.light_left = lerp(shadow, 1.0, height);
-  const float3 place = at.position + height * (at.groom + height * at.force);
+  const float3 place = ShellPosition(at.position, at.groom, at.force, height);
   fur.position = mul(world_to_clip, float4(place, 1.0));
   return fur;
 }

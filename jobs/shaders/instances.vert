@@ -2,6 +2,8 @@
 // vertices at each of `knots` places along its curve; no index buffer and no vertex buffer.
 //   vkCmdDraw(2 * knots, strand_count, 0, 0), glDrawArraysInstanced
 #version 450
+#extension GL_GOOGLE_include_directive : enable
+#include "fur_vertex.glsl"
 
 // Each steps once per instance.
 layout(location = 0) in vec4 curve_a;  // offset 0, four floats: c0, and c1.x
@@ -29,28 +31,15 @@ layout(location = 1) out vec3 hair_tangent;
 layout(location = 2) out vec2 across_along;  // u across the hair, v from root to tip
 layout(location = 3) flat out uint film_strip;
 
-vec3 Linear(vec3 srgb) {
-  return mix(srgb / 12.92, pow((srgb + 0.055) / 1.055, vec3(2.4)), greaterThan(srgb, vec3(0.04045)));
-}
-
-vec3 NormalizeOr(vec3 a, vec3 otherwise) {
-  const float squared = dot(a, a);
-  return squared > 1e-20 ? a * inversesqrt(squared) : otherwise;
-}
-
 void main() {
-  const vec3 c0 = curve_a.xyz, c1 = vec3(curve_a.w, curve_b.xy), c2 = vec3(curve_b.zw, curve_c.x),
-             c3 = curve_c.yzw;
+  const Curve curve = UnpackCurve(curve_a, curve_b, curve_c);
   const float t = float(VERTEX / 2) / float(knots - 1);
   const float side = float(VERTEX % 2);
-  const vec3 point = c0 + t * (c1 + t * (c2 + t * c3));
-  const vec3 tangent = NormalizeOr(c1 + t * (2.0 * c2 + t * 3.0 * c3), vec3(0.0, 1.0, 0.0));
-  const vec3 across = NormalizeOr(cross(tangent, eye - point), vec3(1.0, 0.0, 0.0));
-  const float half_width = 0.5 * width * mix(1.0, tip_width, t);
-  hair_colour = mix(vec4(Linear(base_colour.rgb), base_colour.a),
-                    vec4(Linear(tip_colour.rgb), tip_colour.a), t);
-  hair_tangent = tangent;
+  const float wide = CurveWidth(width, tip_width, t);
+  hair_colour = HairColour(base_colour, tip_colour, t);
+  hair_tangent = CurveTangent(curve, t);
   across_along = vec2(side, t);
-  film_strip = tag >> 24;
-  gl_Position = world_to_clip * vec4(point + across * (half_width * (2.0 * side - 1.0)), 1.0);
+  film_strip = StripOfTag(tag);
+  const vec3 corner = StripCorner(CurvePoint(curve, t), hair_tangent, wide, eye, side);
+  gl_Position = world_to_clip * vec4(corner, 1.0);
 }

@@ -1,5 +1,7 @@
 // Ribbons (jobs/DRAWING.md): a vertex of 32 bytes, four quads per hair, already turned to the camera.
 #version 450
+#extension GL_GOOGLE_include_directive : enable
+#include "fur_vertex.glsl"
 
 layout(location = 0) in vec3 position;  // offset 0, three floats; m, world
 layout(location = 1) in vec3 tangent;   // offset 12, three floats; unit, root to tip
@@ -15,14 +17,10 @@ layout(location = 1) out vec3 hair_tangent;
 layout(location = 2) out vec2 across_along;  // u across the hair, v from root to tip
 layout(location = 3) flat out uint film_strip;
 
-vec3 Linear(vec3 srgb) {
-  return mix(srgb / 12.92, pow((srgb + 0.055) / 1.055, vec3(2.4)), greaterThan(srgb, vec3(0.04045)));
-}
-
 void main() {
-  hair_colour = vec4(Linear(colour.rgb), colour.a);
+  hair_colour = LinearFromSrgb(colour);
   hair_tangent = tangent;
-  across_along = vec2(float(texture_ & 255u) / 255.0, float(texture_ >> 16) / 65535.0);
-  film_strip = (texture_ >> 8) & 255u;
+  across_along = RibbonPlace(texture_);
+  film_strip = StripOfRibbon(texture_);
   gl_Position = world_to_clip * vec4(position, 1.0);
 }

@@ -2,6 +2,8 @@
 // buffer of its own that never changes; 16 bytes an instance, a shell.
 //   vkCmdDrawIndexed(index_count, shell_count, 0, 0, 0)
 #version 450
+#extension GL_GOOGLE_include_directive : enable
+#include "fur_vertex.glsl"
 
 layout(location = 0) in vec3 position;     // offset 0, three floats; m, world
 layout(location = 1) in vec4 base_colour;  // offset 12, four unsigned bytes, normalised; sRGB, stencil
@@ -24,31 +26,13 @@ layout(location = 3) out vec2 fur_uv;
 layout(location = 4) out vec2 stencil_threshold;  // drawn where texture * x > y
 layout(location = 5) out float light_left;
 
-vec3 Linear(vec3 srgb) {
-  return mix(srgb / 12.92, pow((srgb + 0.055) / 1.055, vec3(2.4)), greaterThan(srgb, vec3(0.04045)));
-}
-
-vec3 NormalizeOr(vec3 a, vec3 otherwise) {
-  const float squared = dot(a, a);
-  return squared > 1e-20 ? a * inversesqrt(squared) : otherwise;
-}
-
-vec3 UnpackNormal(uint packed) {
-  const vec2 at = unpackSnorm2x16(packed);
-  vec3 n = vec3(at, 1.0 - abs(at.x) - abs(at.y));
-  const float fold = max(-n.z, 0.0);
-  n.x += n.x >= 0.0 ? -fold : fold;
-  n.y += n.y >= 0.0 ? -fold : fold;
-  return normalize(n);
-}
-
 void main() {
   const float height = shell.x;
-  skin_normal = UnpackNormal(normal);
-  fur_colour = vec4(mix(Linear(base_colour.rgb), Linear(tip_colour.rgb), height), shell.w);
-  fur_direction = NormalizeOr(groom + 2.0 * height * force, skin_normal);
+  skin_normal = OctahedralNormal(normal);
+  fur_colour = vec4(HairColour(base_colour, tip_colour, height).rgb, shell.w);
+  fur_direction = NormalizeOr(ShellSlope(groom, force, height), skin_normal);
   fur_uv = uv * texture_repeat;
   stencil_threshold = vec2(base_colour.a, shell.z);
   light_left = shell.y;
-  gl_Position = world_to_clip * vec4(position + height * (groom + height * force), 1.0);
+  gl_Position = world_to_clip * vec4(ShellPosition(position, groom, force, height), 1.0);
 }

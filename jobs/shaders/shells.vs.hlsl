@@ -1,6 +1,7 @@
 // Shells (jobs/DRAWING.md): 48 bytes a vertex of the skin, and its place on the skin's texture from a
 // buffer of its own that never changes; 16 bytes an instance, a shell.
 //   DrawIndexedInstanced(index_count, shell_count, 0, 0, 0)
+#include "fur_vertex.hlsl"
 
 struct Vertex {
   float3 position : POSITION;     // offset 0, R32G32B32_FLOAT; m, world
@@ -18,45 +19,16 @@ cbuffer Frame : register(b0) {
   float texture_repeat;  // the draw's
 };
 
-struct Fur {
-  float4 position : SV_Position;
-  float4 colour : COLOR;  // linear; a: fade
-  float3 direction : TANGENT;
-  float3 normal : NORMAL;  // of the skin
-  float2 uv : TEXCOORD0;
-  float2 stencil_threshold : TEXCOORD1;  // drawn where texture * x > y
-  float light_left : TEXCOORD2;
-};
-
-float3 Linear(float3 srgb) {
-  const float3 low = srgb / 12.92;
-  const float3 high = pow((srgb + 0.055) / 1.055, 2.4);
-  return lerp(low, high, step(0.04045, srgb));
-}
-
-float3 NormalizeOr(float3 a, float3 otherwise) {
-  const float squared = dot(a, a);
-  return squared > 1e-20 ? a * rsqrt(squared) : otherwise;
-}
-
-float3 UnpackNormal(float2 at) {
-  float3 n = float3(at, 1.0 - abs(at.x) - abs(at.y));
-  const float fold = max(-n.z, 0.0);
-  n.x += n.x >= 0.0 ? -fold : fold;
-  n.y += n.y >= 0.0 ? -fold : fold;
-  return normalize(n);
-}
-
 Fur main(Vertex vertex) {
   const float height = vertex.shell.x;
   Fur fur;
-  fur.normal = UnpackNormal(vertex.normal);
-  fur.colour = float4(lerp(Linear(vertex.base_colour.rgb), Linear(vertex.tip_colour.rgb), height), vertex.shell.w);
-  fur.direction = NormalizeOr(vertex.groom + 2.0 * height * vertex.force, fur.normal);
+  fur.normal = OctahedralNormal(vertex.normal);
+  fur.colour = float4(HairColour(vertex.base_colour, vertex.tip_colour, height).rgb, vertex.shell.w);
+  fur.direction = NormalizeOr(ShellSlope(vertex.groom, vertex.force, height), fur.normal);
   fur.uv = vertex.uv * texture_repeat;
   fur.stencil_threshold = float2(vertex.base_colour.a, vertex.shell.z);
   fur.light_left = vertex.shell.y;
-  const float3 at = vertex.position + height * (vertex.groom + height * vertex.force);
+  const float3 at = ShellPosition(vertex.position, vertex.groom, vertex.force, height);
   fur.position = mul(world_to_clip, float4(at, 1.0));
   return fur;
 }

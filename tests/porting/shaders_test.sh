@@ -10,9 +10,9 @@ fail() {
   echo "FAILED: $*"
   failed=1
 }
-rows=$(sed -n '/ kRows\[\] = {/,/^};/p' "$source/core/outputs.hpp")
+rows=$(sed -n '/ kEntries\[\] = {/,/^};/p' "$source/core/outputs.hpp")
 outputs=$(grep -oE '"[a-z_]+"' <<<"$rows" | tr -d '"')
-of_strands=$(grep -v SkinRow <<<"$rows" | grep -oE '"[a-z_]+"' | tr -d '"')  # which the passes read as strands
+of_strands=$(grep -v SkinEntry <<<"$rows" | grep -oE '"[a-z_]+"' | tr -d '"')  # which the passes read as strands
 [ "$(wc -w <<<"$outputs")" -ge 2 ] || fail "no outputs found in core/outputs.hpp"
 for output in $outputs; do
   for shader in "$output.vert" "$output.vs.hlsl"; do
@@ -30,7 +30,7 @@ for shader in "$source"/jobs/shaders/*.vert; do
   compile -V "$shader"
   compile -G "$shader"
 done
-for shader in "$source"/jobs/shaders/*.hlsl; do compile -V -D -e main -S vert "$shader"; done
+for shader in "$source"/jobs/shaders/*.vs.hlsl; do compile -V -D -e main -S vert "$shader"; done
 shaders=$source/bench/shading/shaders
 # own FILE: behind what it names, and READER where there is one, as a whole of that stage in both versions; what is
 # otherwise with cards, in both ways.
@@ -39,7 +39,7 @@ own() {
   for version in "330 core" "300 es" "330 core|#define CARDS" "300 es|#define CARDS"; do
     [[ $version != *CARDS || $file == */strand* ]] || continue
     { echo "#version ${version/|/$'\n'}"
-      cat "$shaders/dialect.glsl"
+      cat "$shaders/dialect.glsl" "$source/jobs/shaders/fur_vertex.glsl"
       for before in $(sed -n 's,^// After: ,,p' "$file"); do cat "$shaders/$before"; done
       [ -z "$reader" ] || cat "$reader"
       cat "$file"; } >"$work/whole.$stage"
@@ -54,6 +54,6 @@ for pass in "$shaders"/passes/*.vert "$shaders"/passes/*.frag; do
     *) own "$pass" "${pass##*.}" ;;
   esac
 done
-[ "$failed" -eq 0 ] && echo "compiled for Vulkan, OpenGL and Direct3D: $(ls "$source/jobs/shaders" | wc -l) files;" \
+[ "$failed" -eq 0 ] && echo "compiled for Vulkan, OpenGL and Direct3D: $(ls "$source"/jobs/shaders/*.v* | wc -l) files;" \
   "for OpenGL and OpenGL ES: $(find "$source/bench/shading/shaders" -type f | wc -l)"
 exit "$failed"

@@ -10,11 +10,10 @@
 #include "bench/shading/shading.hpp"
 #include "core/random.hpp"
 #include "tests/jobs/tiny_scene.hpp"
+#include "tests/run_frame.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 constexpr uint32_t kStrips = 24;
 
@@ -120,8 +119,7 @@ Scenario CardScenario(float width, const StripOf& strip_of) {
 
 std::vector<std::byte> Draw(Scenario scenario) {
   RunningScenario running(scenario, {});
-  running.Begin(0);
-  SerialExecutor().Run(running.scene().CurrentFrame());
+  RunFrame(running, 0);
   const Camera camera = scenario.PrepareFrame(0, running.scene()).camera;
   std::vector<std::string> notes;
   return DrawPicture(scenario, running.scene(), camera, VertexOrder::kSorted, {160, 120, 2}, notes);
@@ -152,11 +150,8 @@ TEST(FilmStrip, StrandsShowTheStripsThatTheyWereBakedWith) {
   Scenario scenario = CardScenario(
       0.006f, [](uint32_t s) { return uint8_t(MixBits(s) % 8 < 5 ? 3 : MixBits(s) % 256); });
   for (const VertexOrder order : {VertexOrder::kSorted, VertexOrder::kIndexBuffer}) {
-    SceneOptions options;
-    options.vertex_order = order;
-    RunningScenario running(scenario, options);
-    running.Begin(0);
-    SerialExecutor().Run(running.scene().CurrentFrame());
+    RunningScenario running(scenario, {.vertex_order = order});
+    RunFrame(running, 0);
     std::array<uint32_t, 256> drawn{}, baked{};
     uint32_t count = 0;
     for (const auto& hairs : ReadHairs(running.scene(), order))
@@ -175,4 +170,4 @@ TEST(FilmStrip, StrandsShowTheStripsThatTheyWereBakedWith) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

@@ -1,6 +1,6 @@
-// The shaders' functions as a driver compiles them against the same text in C++ (bench/shading/shading.hpp), value by value:
-// a pixel for each case of random arguments, drawn into floats by the OpenGL found here. One of each kind is asked: the
-// text is one. Skipped, and says why, where there is none.
+// The shaders' functions as a driver compiles them against the same text in C++ (bench/shading/shading.hpp), value by
+// value: a pixel for each case of random arguments, drawn into floats by the OpenGL found here. One of each kind is
+// asked: the text is one. Skipped, and says why, where there is none.
 #include <gtest/gtest.h>
 
 #include <cmath>

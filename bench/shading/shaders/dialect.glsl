@@ -1,5 +1,5 @@
 // Before all other files: what makes one text of the two languages that read it, GLSL 3.30 core and ES 3.00, whose
-// version line the host puts, and C++ (shading.hpp).
+// version line the host puts, and C++ (shading.hpp). Behind it comes jobs/shaders/fur_vertex.glsl.
 precision highp float;
 precision highp int;
 precision highp sampler2D;

@@ -2,14 +2,9 @@
 // Shells are lit as hair is, strand_light.glsl: along ShellDirection, with a shell's `shadow` as the
 // light that the coat leaves at its depth.
 
-// Where a vertex is at a height of 0, the skin, to 1, the tips.
-FN vec3 ShellPosition(vec3 position, vec3 groom, vec3 force, float height) {
-  return position + height * (groom + height * force);
-}
-
-// Which way the hairs there go: ShellPosition's derivative, unit.
+// Which way the hairs at a vertex go at a height, unit.
 FN vec3 ShellDirection(vec3 groom, vec3 force, float height) {
-  vec3 along = groom + 2.0f * height * force;
+  vec3 along = ShellSlope(groom, force, height);
   return along / max(length(along), 1e-9f);
 }
 

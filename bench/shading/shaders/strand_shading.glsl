@@ -85,22 +85,9 @@ FN vec3 Over(vec3 colour, float coverage, vec3 below) {
   return colour * coverage + below * (1.0f - coverage);
 }
 
-// Between sRGB and linear, 0 to 1 (IEC 61966-2-1).
-FN float LinearFromSrgb(float v) {
-  return v <= 0.04045f ? v / 12.92f : pow((v + 0.055f) / 1.055f, 2.4f);
-}
+// From linear to sRGB, 0 to 1 (IEC 61966-2-1).
 FN float SrgbFromLinear(float v) {
   return v <= 0.0031308f ? 12.92f * v : 1.055f * pow(v, 1.0f / 2.4f) - 0.055f;
-}
-
-// Signed normalised: the low half of a word.
-FN float Snorm16(uint word) { return max(float(int(word << 16u) >> 16) / 32767.0f, -1.0f); }
-
-// A unit vector from LookRecord::normal.
-FN vec3 OctahedralNormal(uint packed_normal) {
-  float x = Snorm16(packed_normal), y = Snorm16(packed_normal >> 16u);
-  float z = 1.0f - abs(x) - abs(y), fold = max(-z, 0.0f);
-  return normalize(vec3(x >= 0.0f ? x - fold : x + fold, y >= 0.0f ? y - fold : y + fold, z));
 }
 
 // Even in [0, 1), by whole numbers alone (Wellons' lowbias32): the same on each machine.

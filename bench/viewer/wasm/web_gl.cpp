@@ -20,13 +20,8 @@ struct GlContext::State {
   GlApi gl;
 };
 
-GlContext::GlContext(std::unique_ptr<State> state) : state_(std::move(state)) {}
-GlContext::GlContext(GlContext&&) noexcept = default;
-GlContext& GlContext::operator=(GlContext&&) noexcept = default;
-GlContext::~GlContext() = default;
-
 Result<GlContext> GlContext::Open() {
-  auto state = std::make_unique<State>();
+  auto state = std::make_shared<State>();
 #define PELT_GL_TAKE(name, type) state->gl.name = web_gl_##name;
   PELT_GL_FUNCTIONS(PELT_GL_TAKE)
 #undef PELT_GL_TAKE

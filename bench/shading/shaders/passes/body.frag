@@ -36,8 +36,7 @@ float Covered() {
 void main() {
   vec4 image = texture(surface, skin_uv);
   if (skin_cut.x * image.a < skin_cut.y) discard;
-  vec3 own = skin_tint.rgb *
-             vec3(LinearFromSrgb(image.r), LinearFromSrgb(image.g), LinearFromSrgb(image.b));
+  vec3 own = skin_tint.rgb * LinearFromSrgb(image).rgb;
   float covered = Covered();
   bool unlit = skin_tint.a > 0.5;
   vec3 skin = unlit || skin_shares.y < 0.5 ? skin_fur : mix(own, skin_fur, covered);

@@ -3,7 +3,6 @@
 // After: strand_shading.glsl
 // After: spherical_harmonics.glsl
 // After: strand_light.glsl
-// After: shell_shading.glsl
 // After: passes/frame.glsl
 // After: passes/shadow_maps.glsl
 layout(location = 0) in vec3 position;

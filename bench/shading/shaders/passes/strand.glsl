@@ -33,11 +33,10 @@ Strand ReadStrand() {
   uint number = second.w & ~kCard;
   uvec4 record = is_lit != 0 ? Texel(looks, number) : uvec4(0u);
   vec3 normal = is_lit != 0 ? OctahedralNormal(record.x) : uintBitsToFloat(second.xyz);
-  vec4 paint = vec4(uvec4(record.z, record.z >> 8u, record.z >> 16u, record.z >> 24u) & 255u) / 255.0;
   uint vertex_record = in_strand_order != 0 ? number : place;
   int strip = (second.w & kCard) != 0u ? int(ReadStrip(vertex_record)) : -1;
   return Strand(uint(first_strand) + number, vertex_record, uintBitsToFloat(first.xyz), normal,
-                uintBitsToFloat(first.w), paint, strip);
+                uintBitsToFloat(first.w), Unorm8x4(record.z), strip);
 }
 
 struct Knot {
@@ -46,20 +45,6 @@ struct Knot {
   vec3 tangent, across;
   vec4 colour;  // linear; a carries the LOD fade
 };
-
-vec4 ColourOf(uint aabbggrr) {
-  vec4 c = vec4(uvec4(aabbggrr, aabbggrr >> 8u, aabbggrr >> 16u, aabbggrr >> 24u) & 255u) / 255.0;
-  return vec4(LinearFromSrgb(c.r), LinearFromSrgb(c.g), LinearFromSrgb(c.b), c.a);
-}
-
-vec3 NormalizeOr(vec3 a, vec3 otherwise) {
-  float squared = dot(a, a);
-  return squared > 1e-20 ? a * inversesqrt(squared) : otherwise;
-}
-
-vec3 AcrossView(vec3 tangent, vec3 at) {
-  return NormalizeOr(cross(tangent, eye - at), vec3(1.0, 0.0, 0.0));
-}
 
 // One of the two corners at a knot: hairs thinner than a sample are as wide as one, with less
 // coverage. `place` is card.glsl's, `along` the knot's share of the strand.

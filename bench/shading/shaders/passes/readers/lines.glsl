@@ -5,11 +5,10 @@ Knot ReadKnot(uint record, int k) {
   Knot knot;
   knot.at = place.xyz;
   knot.width = place.w;
-  knot.tangent = NormalizeOr(vec3(Snorm16(rest.x), Snorm16(rest.x >> 16u), Snorm16(rest.y)),
-                             vec3(0.0, 1.0, 0.0));
-  knot.across = AcrossView(knot.tangent, knot.at);
-  knot.colour = ColourOf(rest.z);
+  knot.tangent = NormalizeOr(LineTangent(rest.xy).xyz, vec3(0.0, 1.0, 0.0));
+  knot.across = AcrossView(knot.tangent, eye - knot.at);
+  knot.colour = LinearFromSrgb(Unorm8x4(rest.z));
   return knot;
 }
 
-uint ReadStrip(uint record) { return Texel(vertices, record * 10u + 1u).w >> 24u; }
+uint ReadStrip(uint record) { return StripOfTag(Texel(vertices, record * 10u + 1u).w); }

@@ -6,9 +6,9 @@ Knot ReadKnot(uint record, int k) {
   knot.at = 0.5 * (from + to);
   knot.width = length(to - from);
   knot.tangent = vec3(uintBitsToFloat(l.w), uintBitsToFloat(l_rest.xy));
-  knot.across = NormalizeOr(to - from, AcrossView(knot.tangent, knot.at));
-  knot.colour = ColourOf(l_rest.z);
+  knot.across = NormalizeOr(to - from, AcrossView(knot.tangent, eye - knot.at));
+  knot.colour = LinearFromSrgb(Unorm8x4(l_rest.z));
   return knot;
 }
 
-uint ReadStrip(uint record) { return Texel(vertices, record * 20u + 1u).w >> 8u & 255u; }
+uint ReadStrip(uint record) { return StripOfRibbon(Texel(vertices, record * 20u + 1u).w); }
