@@ -2,13 +2,16 @@
 #include "jobs/c_frame.hpp"
 
 #include <algorithm>
+#include <cstddef>
+#include <cstring>
 #include <iterator>
+#include <type_traits>
 
 #include "core/float_rules.hpp"
 
 namespace {
 
-using pelt::c_frame::Copy;
+using pelt::IrradianceSample, pelt::c_frame::Copy;
 
 static_assert(PELT_FREE == pelt::CapsuleCollider::kFree);
 static_assert(PELT_MUD == int(pelt::PaintChannel::kMud));
@@ -27,51 +30,57 @@ constexpr SkipBit kSkips[] = {
     {PELT_WIND, &pelt::SkipSettings::wind},   {PELT_LOD, &pelt::SkipSettings::lod},
     {PELT_LIGHT, &pelt::SkipSettings::light}};
 
-const char* TranslateLighting(const PeltFrame& from, pelt::Lighting& to) {
-  if (from.light_count > std::size(to.light)) return "more lights than a scene holds";
-  if (from.light_count != 0 && !from.lights) return "the lights are null";
-  if (from.irradiance_sample_count > std::size(to.sample))
-    return "more irradiance samples than a scene holds";
-  if (from.irradiance_sample_count != 0 && !from.irradiance_samples)
-    return "the irradiance samples are null";
-  to.light_count = from.light_count;
-  to.sample_count = from.irradiance_sample_count;
-  for (uint32_t l = 0; l < to.light_count; ++l) {
-    const PeltLight& light = from.lights[l];
-    Copy(light.position, to.light[l].position);
-    to.light[l].radius = light.radius;
-    Copy(light.rgb, to.light[l].rgb);
-    to.light[l].range = light.range;
-  }
-  for (uint32_t s = 0; s < to.sample_count; ++s) {
-    const PeltIrradianceSample& sample = from.irradiance_samples[s];
-    Copy(sample.position, to.sample[s].position);
-    to.sample[s].falloff = sample.falloff;
-    Copy(sample.sky, to.sample[s].sky);
-    Copy(sample.ground, to.sample[s].ground);
-    Copy(sample.up, to.sample[s].up);
-  }
-  Copy(from.sun_direction, to.sun_direction);
-  Copy(from.sun_rgb, to.sun_rgb);
-  Copy(from.rim_direction, to.rim_direction);
-  Copy(from.rim_rgb, to.rim_rgb);
-  to.rim_exponent = from.rim_exponent;
-  return nullptr;
-}
+// A member is the same in C and C++, to be copied with its struct: its type, and where it stands in C, from kAt on.
+#define PELT_SAME(member)                              \
+  (offsetof(C, member) - kAt == offsetof(D, member) && \
+   std::is_same_v<decltype(C::member), decltype(D::member)>)
 
-const char* TranslateBrushes(const PeltFrame& from, pelt::FrameInput& to) {
-  if (from.brush_count > std::size(to.brush)) return "more brushes than a scene holds";
-  if (from.brush_count != 0 && !from.brushes) return "the brushes are null";
-  to.brush_count = from.brush_count;
-  for (uint32_t b = 0; b < to.brush_count; ++b) {
-    const PeltBrush& brush = from.brushes[b];
-    Copy(brush.centre, to.brush[b].centre);
-    to.brush[b].radius = brush.radius;
-    to.brush[b].hardness = brush.hardness;
-    to.brush[b].channel = brush.channel;
-    to.brush[b].amount = brush.amount;
-  }
-  return nullptr;
+static_assert([]<class C = PeltLight, class D = pelt::SphereLight, size_t kAt = 0>() {
+  return PELT_SAME(position) && PELT_SAME(radius) && PELT_SAME(rgb) && PELT_SAME(range);
+}());
+static_assert([]<class C = PeltIrradianceSample, class D = IrradianceSample, size_t kAt = 0>() {
+  return PELT_SAME(position) && PELT_SAME(falloff) && PELT_SAME(sky) && PELT_SAME(ground) &&
+         PELT_SAME(up);
+}());
+static_assert([]<class C = PeltBrush, class D = pelt::PaintBrush, size_t kAt = 0>() {
+  return PELT_SAME(centre) && PELT_SAME(radius) && PELT_SAME(hardness) && PELT_SAME(channel) &&
+         PELT_SAME(amount);
+}());
+static_assert([]<class C = PeltCapsule, class D = pelt::CapsuleCollider, size_t kAt = 0>() {
+  return PELT_SAME(from) && PELT_SAME(to) && PELT_SAME(radius) && PELT_SAME(character) &&
+         PELT_SAME(joint) && PELT_SAME(from_velocity) && PELT_SAME(to_velocity);
+}());
+
+// Where the runs of PeltFrame begin that are structs in C++.
+constexpr size_t kCamera = offsetof(PeltFrame, eye), kWind = offsetof(PeltFrame, wind_velocity),
+                 kLod = offsetof(PeltFrame, full_detail_px), kCosts = offsetof(PeltFrame, chunk_ns);
+static_assert([]<class C = PeltFrame, class D = pelt::Camera, size_t kAt = kCamera>() {
+  return PELT_SAME(eye) && PELT_SAME(target) && PELT_SAME(up) && PELT_SAME(vertical_fov_rad) &&
+         PELT_SAME(viewport_width_px) && PELT_SAME(viewport_height_px) && PELT_SAME(near_m) &&
+         PELT_SAME(far_m) && offsetof(C, gravity) - kAt == sizeof(D);
+}());
+static_assert([]<class C = PeltFrame, class D = pelt::WindSetup, size_t kAt = kWind>() {
+  return PELT_SAME(gust_strength) && PELT_SAME(gust_period_s) && PELT_SAME(turbulence) &&
+         PELT_SAME(turbulence_scale_m) && offsetof(C, use_ground) - kAt == sizeof(D);
+}());
+static_assert([]<class C = PeltFrame, class D = pelt::LodSettings, size_t kAt = kLod>() {
+  return PELT_SAME(full_detail_px) && PELT_SAME(min_fraction) && PELT_SAME(hysteresis) &&
+         PELT_SAME(fade_share) && PELT_SAME(least_chains) && PELT_SAME(strand_budget) &&
+         PELT_SAME(fast_quality_px) && PELT_SAME(budget_us) && PELT_SAME(worst_px) &&
+         kCosts - kAt == offsetof(D, costs) && offsetof(C, skip) - kAt == sizeof(D);
+}());
+static_assert([]<class C = PeltFrame, class D = pelt::FurCosts, size_t kAt = kCosts>() {
+  return PELT_SAME(chunk_ns) && PELT_SAME(vertex_ns) && PELT_SAME(strand_ns) && PELT_SAME(node_ns);
+}());
+#undef PELT_SAME
+
+template <class Part>
+void CopyRun(const PeltFrame& from, size_t first, Part& to) {
+  std::memcpy(&to, reinterpret_cast<const std::byte*>(&from) + first, sizeof to);
+}
+template <class Part>
+void CopyRun(const Part& from, PeltFrame& to, size_t first) {
+  std::memcpy(reinterpret_cast<std::byte*>(&to) + first, &from, sizeof from);
 }
 
 }  // namespace
@@ -80,57 +89,53 @@ const char* pelt::c_frame::Translate(const PeltFrame& from, std::vector<Weather>
                                      FrameInput& to) {
   to.dt_s = from.dt_s;
   to.time_s = from.time_s;
-  Copy(from.eye, to.camera.eye);
-  Copy(from.target, to.camera.target);
-  Copy(from.up, to.camera.up);
-  to.camera.vertical_fov_rad = from.vertical_fov_rad;
-  to.camera.viewport_width_px = from.viewport_width_px;
-  to.camera.viewport_height_px = from.viewport_height_px;
-  to.camera.near_m = from.near_m;
-  to.camera.far_m = from.far_m;
+  CopyRun(from, kCamera, to.camera);
   std::copy_n(from.origin, 3, to.origin);
   Copy(from.gravity, to.gravity);
-  Copy(from.wind_velocity, to.wind.velocity);
-  to.wind.gust_strength = from.gust_strength;
-  to.wind.gust_period_s = from.gust_period_s;
-  to.wind.turbulence = from.turbulence;
-  to.wind.turbulence_scale_m = from.turbulence_scale_m;
+  CopyRun(from, kWind, to.wind);
   to.use_ground = from.use_ground != 0;
   Copy(from.ground, to.ground);
-  if (from.sphere_count > std::size(to.sphere)) return "more spheres than a scene holds";
-  if (from.sphere_count != 0 && !from.spheres) return "the spheres are null";
-  to.sphere_count = from.sphere_count;
-  for (uint32_t s = 0; s < from.sphere_count; ++s) Copy(from.spheres[s], to.sphere[s]);
+  Copy(from.ground_velocity, to.ground_velocity);
+  const char* fault = nullptr;
+  const auto take = [&fault](const auto array, uint32_t count, auto& room, uint32_t& room_count,
+                             const char* too_many, const char* null) {
+    static_assert(sizeof *array == sizeof *room);
+    if (fault) return;
+    if (count > std::size(room))
+      fault = too_many;
+    else if (count != 0 && !array)
+      fault = null;
+    else if (count != 0)
+      std::memcpy(static_cast<void*>(room), array, count * sizeof *array);
+    room_count = count;
+  };
+  take(from.spheres, from.sphere_count, to.sphere, to.sphere_count,
+       "more spheres than a scene holds", "the spheres are null");
+  take(from.capsules, from.capsule_count, to.capsule, to.capsule_count,
+       "more capsules than a scene holds", "the capsules are null");
+  Lighting& lighting = to.lighting;
+  take(from.lights, from.light_count, lighting.light, lighting.light_count,
+       "more lights than a scene holds", "the lights are null");
+  take(from.irradiance_samples, from.irradiance_sample_count, lighting.sample,
+       lighting.sample_count, "more irradiance samples than a scene holds",
+       "the irradiance samples are null");
+  take(from.brushes, from.brush_count, to.brush, to.brush_count, "more brushes than a scene holds",
+       "the brushes are null");
+  if (fault) return fault;
   if (from.sphere_velocities)
     for (uint32_t s = 0; s < from.sphere_count; ++s)
       Copy(from.sphere_velocities[s], to.sphere_velocity[s]);
-  Copy(from.ground_velocity, to.ground_velocity);
-  if (from.capsule_count > std::size(to.capsule)) return "more capsules than a scene holds";
-  if (from.capsule_count != 0 && !from.capsules) return "the capsules are null";
-  to.capsule_count = from.capsule_count;
-  for (uint32_t c = 0; c < from.capsule_count; ++c) {
-    const PeltCapsule& capsule = from.capsules[c];
-    Copy(capsule.from, to.capsule[c].from);
-    Copy(capsule.to, to.capsule[c].to);
-    Copy(capsule.from_velocity, to.capsule[c].from_velocity);
-    Copy(capsule.to_velocity, to.capsule[c].to_velocity);
-    to.capsule[c].radius = capsule.radius;
-    to.capsule[c].character = capsule.character;
-    to.capsule[c].joint = capsule.joint;
-  }
-  if (const char* fault = TranslateLighting(from, to.lighting)) return fault;
-  if (const char* fault = TranslateBrushes(from, to)) return fault;
+  Copy(from.sun_direction, lighting.sun_direction);
+  Copy(from.sun_rgb, lighting.sun_rgb);
+  Copy(from.rim_direction, lighting.rim_direction);
+  Copy(from.rim_rgb, lighting.rim_rgb);
+  lighting.rim_exponent = from.rim_exponent;
   if (from.weather) {
     for (size_t c = 0; c < weather.size(); ++c)
       weather[c] = {from.weather[c][0], from.weather[c][1]};
     to.weather = weather;
   }
-  to.lod = {from.full_detail_px,  from.min_fraction,
-            from.hysteresis,      from.fade_share,
-            from.least_chains,    from.strand_budget,
-            from.fast_quality_px, from.budget_us,
-            from.worst_px,        {from.chunk_ns, from.vertex_ns, from.strand_ns, {}}};
-  Copy(from.node_ns, to.lod.costs.node_ns);
+  CopyRun(from, kLod, to.lod);
   for (const SkipBit& skip : kSkips) to.skip.*skip.member = (from.skip & skip.bit) != 0;
   return nullptr;
 }
@@ -140,28 +145,14 @@ void pelt_default_frame(PeltFrame* frame) {
   *frame = {};
   const pelt::FrameInput in;
   frame->dt_s = in.dt_s;
-  Copy(in.camera.eye, frame->eye);
-  Copy(in.camera.target, frame->target);
-  Copy(in.camera.up, frame->up);
-  frame->vertical_fov_rad = in.camera.vertical_fov_rad;
-  frame->viewport_width_px = in.camera.viewport_width_px;
-  frame->viewport_height_px = in.camera.viewport_height_px;
-  frame->near_m = in.camera.near_m;
-  frame->far_m = in.camera.far_m;
+  CopyRun(in.camera, *frame, kCamera);
   Copy(in.gravity, frame->gravity);
-  frame->gust_period_s = in.wind.gust_period_s;
-  frame->turbulence_scale_m = in.wind.turbulence_scale_m;
+  CopyRun(in.wind, *frame, kWind);
   Copy(in.ground, frame->ground);
   Copy(in.lighting.sun_direction, frame->sun_direction);
   Copy(in.lighting.rim_direction, frame->rim_direction);
   frame->rim_exponent = in.lighting.rim_exponent;
-  frame->full_detail_px = in.lod.full_detail_px;
-  frame->min_fraction = in.lod.min_fraction;
-  frame->hysteresis = in.lod.hysteresis;
-  frame->fade_share = in.lod.fade_share;
-  frame->least_chains = in.lod.least_chains;
-  frame->fast_quality_px = in.lod.fast_quality_px;
-  frame->worst_px = in.lod.worst_px;
+  CopyRun(in.lod, *frame, kLod);
   for (const SkipBit& skip : kSkips)
     if (in.skip.*skip.member) frame->skip |= skip.bit;
 }

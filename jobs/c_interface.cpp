@@ -327,7 +327,7 @@ uint32_t pelt_draws(PeltScene* scene, PeltDraw* draws, uint32_t room) {
   const std::span<const pelt::LayerDraw> all = scene->scene->Draws();
   for (size_t i = 0; draws && i < all.size() && i < room; ++i) {
     const pelt::LayerDraw& from = all[i];
-    const pelt::OutputRow& format = from.format();
+    const pelt::OutputEntry& format = from.format();
     PeltDraw& to = draws[i];
     to = {.layer = from.layer,
           .output = uint32_t(from.output),

@@ -3,32 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <functional>
-#include <memory>
 #include <string>
 
-#include "core/groom/groom_file.hpp"
-#include "jobs/pelt.h"
-#include "tests/jobs/tiny_scene.hpp"
+#include "tests/jobs/c_scene.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
 
-using namespace testing;
-
-struct DestroyScene {
-  void operator()(PeltScene* scene) const { pelt_destroy(scene); }
-};
-using OwnScene = std::unique_ptr<PeltScene, DestroyScene>;
-
-const std::vector<std::byte>& TinyGroom() {
-  static const std::vector<std::byte> kBytes = WriteGroom(TinyScenario().grooms[0]).OrThrow();
-  return kBytes;
-}
-
-OwnScene MakeScene(const PeltSceneOptions& options = {}) {
-  const PeltBytes groom{TinyGroom().data(), TinyGroom().size()};
-  return OwnScene(pelt_create(&groom, 1, &options, nullptr, 0));
-}
+OwnScene MakeScene(const PeltSceneOptions& options = {}) { return MakeCScene(&options); }
 
 std::string Text(const char* text) { return text ? text : ""; }
 
@@ -171,4 +153,4 @@ TEST(CInterface, GoesBackToASnapshot) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing
