@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs what is missing, builds and runs the tests.
-#   bash tests/run.sh          one build (g++, RelWithDebInfo) with the kernels of this machine's AVX2, if it has that,
-#                              without the tests that build Pelt again or look through all of it
+#   bash tests/run.sh          one proof of each kind, in minutes: one build (g++, RelWithDebInfo) with the kernels of this
+#                              machine's AVX2, if it has that, without bench/accuracy, pictures and the page
 #   bash tests/run.sh all      what CI runs: every instruction set by g++ and as WebAssembly, what needs a browser, Pelt
 #                              as a package, big-endian PowerPC under an emulator, clang-tidy; by clang address and
 #                              undefined-behaviour sanitizers on what handles memory, and a thread sanitizer on what
@@ -102,26 +102,24 @@ before_a_release() {
 every=(-DPELT_ISAS= -DPELT_TEST_WIDE_KERNELS=OFF -DPELT_WASM=ON) left_out=(-LE release)
 case $what in
 one)
-  every=("${narrow[@]:--DPELT_ISAS=}" -DPELT_TEST_WIDE_KERNELS=OFF) left_out=(-LE 'gate|release')
-  echo "== left to 'bash tests/run.sh all': other instruction sets, sanitizers, packages, other machines, WebAssembly" ;;
+  echo "== left to 'bash tests/run.sh all': the rooms' own tests, other instruction sets, sanitizers, other machines, packages"
+  build first g++ RelWithDebInfo pelt_first_tests "${narrow[@]:--DPELT_ISAS=}" -DPELT_ACCURACY=OFF -DPELT_PICTURES=OFF
+  check first -L first
+  exit ;;
 all) echo "== left to 'bash tests/run.sh release': clang Release, g++ Debug, chunks of 64, other machines, more under sanitizers" ;;
 release) every=(-DPELT_ISAS= -DPELT_TEST_WIDE_KERNELS=ON -DPELT_WASM=ON) left_out=() ;;
 esac
-if [ "$what" != one ]; then
-  # Beside the build of everything, whose configuration, links and last kernels leave cores idle, as their tests do. In
-  # a process group of its own, so that nothing of it outlives this script.
-  set -m
-  sanitized >build/sanitized.log 2>&1 &
-  set +m
-  lane=$!
-  trap 'kill -- "-$lane" 2>/dev/null || true' EXIT
-fi
+# Beside the build of everything, whose configuration, links and last kernels leave cores idle, as their tests do. In a
+# process group of its own, so that nothing of it outlives this script.
+set -m
+sanitized >build/sanitized.log 2>&1 &
+set +m
+lane=$!
+trap 'kill -- "-$lane" 2>/dev/null || true' EXIT
 build gcc g++ RelWithDebInfo all "${every[@]}"
-if [ "$what" != one ]; then
-  wait "$lane" || { cat build/sanitized.log; exit 1; }
-  trap - EXIT
-  cat build/sanitized.log
-fi
+wait "$lane" || { cat build/sanitized.log; exit 1; }
+trap - EXIT
+cat build/sanitized.log
 if [ "$what" = release ]; then
   before_a_release
   export PELT_SCHEDULES=200000

@@ -20,20 +20,21 @@ struct Blocks : ChunkRows<kPoints> {
 };
 
 template <uint32_t kPoints>
-class ModalSolver final : public StrandSolver {
+class ModalSolver final : public ChunkedSolver<Blocks<kPoints>> {
+  using Base = ChunkedSolver<Blocks<kPoints>>;
+  using Base::ChunkOf, Base::chunks_, Base::lanes_;
+
  public:
   static constexpr int kParts = kPoints - 1, kNodes = NodesOf(kPoints);
 
   ModalSolver(const KernelDesc& kernel, ModalQuality quality, const ModalFeatures& features,
               const ModalMaterial& strand, const SolverSetup& setup)
-      : kernel_(kernel),
+      : Base(setup.lanes),
+        kernel_(kernel),
         quality_(quality),
         strength_(features.strength),
         material_(setup.material),
-        layer_params_(MakeModalLayer(strand)),
-        lanes_(setup.lanes) {
-    for (uint32_t first = 0; first < lanes_; first += kStrandsPerChunk)
-      chunks_.push_back(std::make_unique<Blocks<kPoints>>());
+        layer_params_(MakeModalLayer(strand)) {
     for (double& dt : times_.dt_s) dt = setup.frame_seconds;
     times_.velocities = features.velocities;
     FillModalTable(layer_params_, quality_, times_, table_.block);
@@ -43,7 +44,7 @@ class ModalSolver final : public StrandSolver {
     layer_->gravity[0] = float(material_.gravity.x);
     layer_->gravity[1] = float(material_.gravity.y);
     layer_->gravity[2] = float(material_.gravity.z);
-    layer_->scale = layer_->shrink = 1.0f;
+    layer_->scale = layer_->modal.shrink = 1.0f;
     features_ = features;
     params_ = {};
     params_.dt = float(setup.frame_seconds);
@@ -95,14 +96,10 @@ class ModalSolver final : public StrandSolver {
       RunOnChunk(kernel_, params_, [&](Stream stream) { return Find(stream, *c); });
   }
 
-  void Points(int i, float* const (&rows)[3]) const override {
-    for (uint32_t lane = 0; lane < lanes_; ++lane)
-      chunks_[lane / kStrandsPerChunk]->ReadPoint(i, lane, rows);
-  }
   // Modes to nodes to points. What turns with the root alone is left out: of links nothing.
   void Velocities(int i, float* const (&rows)[3]) const override {
     for (uint32_t lane = 0; lane < lanes_; ++lane) {
-      const auto& chain = *chunks_[lane / kStrandsPerChunk]->chain.block;
+      const auto& chain = *ChunkOf(lane).chain.block;
       const auto& place = table_->place[(i + 1) * int(PlacesOf(kPoints)) / kParts - 1];
       for (int k = 0; k < 3; ++k) {
         float sum = 0.0f;
@@ -130,7 +127,7 @@ class ModalSolver final : public StrandSolver {
     if (f.wind) layer_->flags |= kLayerWind;
     layer_->surface_hardness = f.surface_hardness;
     layer_->bounce = f.bounce;
-    layer_->friction = f.friction;
+    layer_->modal.friction = f.friction;
     layer_->max_distance = f.max_distance;
     layer_->clump = f.clump;
     if (f.clump > 0.0f) {
@@ -177,7 +174,6 @@ class ModalSolver final : public StrandSolver {
       moved->moves = 1;
     }
   }
-  Blocks<kPoints>& ChunkOf(uint32_t lane) { return *chunks_[lane / kStrandsPerChunk]; }
   void* Find(Stream stream, Blocks<kPoints>& c) {
     if (stream == StreamOf<&Streams::layers>) return layer_.block;
     if (stream == StreamOf<&Streams::modal_tables>) return table_.block;
@@ -191,7 +187,6 @@ class ModalSolver final : public StrandSolver {
   float strength_;
   ChainMaterial material_;
   ModalLayer layer_params_;
-  uint32_t lanes_;
   FrameTimes times_;
   double next_dt_ = 0.0;  // 0: as they were
   ModalFeatures features_;
@@ -199,7 +194,6 @@ class ModalSolver final : public StrandSolver {
   SimulateParams params_;
   Owned<LayerBlock> layer_;
   Owned<ModalTableBlock> table_;
-  std::vector<std::unique_ptr<Blocks<kPoints>>> chunks_;
 };
 
 }  // namespace

@@ -12,7 +12,7 @@
 
 #include "bench/accuracy/scene_points.hpp"
 #include "core/error.hpp"
-#include "core/modal/quality_on_screen.hpp"
+#include "core/modal/modal_quality.hpp"
 #include "core/random.hpp"
 
 namespace pelt::accuracy {

@@ -141,7 +141,7 @@ class SceneRods {
 // ---- Tips off the reference ------------------------------------------------------------------
 
 // How far the tips of a scene's strands are off the reference, compared with the bound that their quality states
-// (ErrorShare, core/modal/quality_on_screen.hpp).
+// (ErrorShare, core/modal/modal_quality.hpp).
 //
 // Both are shares of the layer's longest strand, as the bound is a length before it is in pixels: no tip is nearer to
 // the eye than its layer's box, so what holds in shares holds on the screen.

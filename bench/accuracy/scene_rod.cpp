@@ -8,7 +8,7 @@
 
 #include "bench/accuracy/scene_precision.hpp"
 #include "core/error.hpp"
-#include "core/modal/rest_curl.hpp"
+#include "core/layer_block.hpp"
 
 namespace pelt::accuracy {
 namespace {
@@ -130,7 +130,7 @@ SceneRods::Rod SceneRods::MakeRod(const FurScene& scene, uint32_t layer, uint32_
   rod.weight.gravity = {block.gravity[0], block.gravity[1], block.gravity[2]};
   if (own.params.sag_free)
     rod.weight.held = LaneOf(scene.memory().Of<&Streams::strand_down>(chunk)->down, lane) *
-                      double(block.rest_gravity);
+                      double(block.modal.rest_gravity);
   return rod;
 }
 

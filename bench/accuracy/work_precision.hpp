@@ -3,8 +3,8 @@
 //
 // Errors depend on nothing but the arithmetic, which is the same on every instruction set: their
 // digest is compared between machines. Times are this machine's; they are medians of
-// slices taken in turn (solver_timing.hpp) at 60 frames per second on the preset's own material, and stated over the time
-// of our own PBD with 4 iterations in the same rounds.
+// slices taken in turn (solver_timing.hpp) at 60 frames per second on the preset's own material, and stated over the
+// time of our own PBD with 4 iterations in the same rounds.
 //
 // Solvers whose stiffness is not the material's (position-based ones, follow-the-leader) are tuned
 // on the very cases they are scored on, for each preset and rate anew: the best they could do.

@@ -47,9 +47,9 @@ class Scaling {
     for (const uint32_t w : {2u, 4u, 8u, 12u, 16u, 24u, 32u, 48u, 64u})
       if (w < cores) counts.insert(w);
     for (const uint32_t workers : counts)
-      for (const ExecutorRow& row : ExecutorRows())
-        if (row.order == ItemOrder::kThreads)
-          rows_.push_back({std::string(row.name), workers, {}, {}});
+      for (const ExecutorEntry& entry : ExecutorEntries())
+        if (entry.order == ItemOrder::kThreads)
+          rows_.push_back({std::string(entry.name), workers, {}, {}});
   }
 
   std::vector<Row>& rows() { return rows_; }

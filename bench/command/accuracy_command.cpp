@@ -1,5 +1,5 @@
 // `pelt accuracy`: the whole benchmark of error against run time; the same of a scene's frames; the
-// features.
+// features. And what a report shows of it.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,9 +7,11 @@
 #include <cmath>
 
 #include "bench/accuracy/report/accuracy_report.hpp"
+#include "bench/command/accuracy_args.hpp"
 #include "bench/command/commands.hpp"
 #include "bench/command/progress.hpp"
 #include "core/error.hpp"
+#include "core/file_bytes.hpp"
 
 namespace pelt {
 
@@ -134,6 +136,14 @@ ExitCode MeasureAccuracy(const AccuracyArgs& args) {
   if (args.scene) return MeasureScene(args);
   if (args.features) return MeasureAllFeatures(args);
   return MeasureAll(args);
+}
+
+std::function<void(JsonText&)> ReadAccuracySection(const std::string& path) {
+  const auto add = [bytes = ReadFileBytes("accuracy", path, kAccuracyBytesLimit).OrThrow(),
+                    path](JsonText& json) { AddAccuracySection(json, AsText(bytes), path); };
+  JsonText tried;
+  add(tried);
+  return add;
 }
 
 }  // namespace pelt

@@ -3,9 +3,8 @@
 #include <memory>
 #include <set>
 
-#include "bench/accuracy/body_motion.hpp"
 #include "bench/accuracy/chain_problem.hpp"
-#include "bench/accuracy/named_solver.hpp"
+#include "bench/command/accuracy_args.hpp"
 #include "bench/command/command_options.hpp"
 
 namespace pelt {

@@ -6,7 +6,6 @@
 
 #include "bench/command/commands.hpp"
 #include "bench/command/progress.hpp"
-#include "bench/picture/png.hpp"
 #include "bench/report/report_tree.hpp"
 #include "core/character/pose.hpp"
 #include "core/error.hpp"
@@ -218,13 +217,12 @@ void WriteFlowMap(const BakeArgs& args, const Character& character, const RestGe
         "flow map: UVs give places of the texture to several of the surface; {} sheets, one below "
         "the other",
         map.sheets));
-  WriteOutput("flow map", args.flow_map, EncodePng(map.rgba, map.side, map.side * map.sheets, 4));
+  WritePng("flow map", args.flow_map, map.rgba, map.side, map.side * map.sheets, 4);
 }
 
 void WriteHeightField(const BakeArgs& args, BakeReport& report) {
   if (args.height_field.empty()) return;
-  WriteOutput("height field", args.height_field,
-              EncodePng(MakeHairTile(), kHairTileSide, kHairTileSide, 1));
+  WritePng("height field", args.height_field, MakeHairTile(), kHairTileSide, kHairTileSide, 1);
   report.height_field = args.height_field;
 }
 
@@ -235,6 +233,7 @@ ExitCode Bake(const BakeArgs& args) {
     fmt::print("{}", DescribeSetupKeys());
     return kDone;
   }
+  if (!args.flow_map.empty() || !args.height_field.empty()) RequirePictures();
   BakeReport report;
   report.out = args.out;
   auto start = Clock::now();

@@ -381,6 +381,7 @@ class BudgetPrinter {
 ExitCode PrintBudget(const BudgetArgs& args) {
   if (args.validate) return PrintValidation({args.json});
   if (args.numbers) return PrintNumbers(args);
+  if (args.qualities) RequireAccuracy();
   return BudgetPrinter(args).Print();
 }
 

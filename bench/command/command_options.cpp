@@ -25,17 +25,17 @@ std::vector<std::string> Names(const auto& range) {
 template <class Enum>
 void AddWord(CLI::App& app, const char* name, const char* help, Enum LayerParams::*param,
              std::optional<Enum>& target) {
-  const auto words = LayerParamRowOf(param).words;
+  const auto words = LayerParamEntryOf(param).words;
   const auto set = [&target, words](const std::string& word) {
     target = Enum(std::ranges::find(words, word) - words.begin());
   };
   app.add_option_function<std::string>(name, set, help)->check(OneOf(Names(words)));
 }
 
-using Row = ExecutorRow;
+using Entry = ExecutorEntry;
 
 // "tbb, door and pull"
-std::string ListOf(bool (Row::*which)() const) {
+std::string ListOf(bool (Entry::*which)() const) {
   std::vector<std::string> names = OfferedExecutors(which);
   const std::string last = names.back();
   names.pop_back();
@@ -259,18 +259,18 @@ void AddExecutor(CLI::App& app, ExecutorKind& executor, uint32_t& workers, uint6
          DescribeExecutors())
       ->check(OneOf(OfferedExecutors()));
   app.add_option("--workers", workers,
-                 fmt::format("Threads for {}; 0: one for each core", ListOf(&Row::HasWorkers)))
+                 fmt::format("Threads for {}; 0: one for each core", ListOf(&Entry::HasWorkers)))
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   app.add_option("--order-seed", order_seed,
-                 fmt::format("Order for {}; 0: backwards", ListOf(&Row::HasSeed)))
+                 fmt::format("Order for {}; 0: backwards", ListOf(&Entry::HasSeed)))
       ->capture_default_str();
 }
 
 void CheckExecutor(const CLI::App& app, ExecutorKind executor) {
   RefuseUnless(app, executor->HasWorkers(), {"--workers"},
-               "--executor " + ListOf(&Row::HasWorkers));
-  RefuseUnless(app, executor->HasSeed(), {"--order-seed"}, "--executor " + ListOf(&Row::HasSeed));
+               "--executor " + ListOf(&Entry::HasWorkers));
+  RefuseUnless(app, executor->HasSeed(), {"--order-seed"}, "--executor " + ListOf(&Entry::HasSeed));
 }
 
 void AddTimeAndWeather(CLI::App& app, double& fps, WeatherCourse& weather) {
@@ -281,6 +281,36 @@ void AddTimeAndWeather(CLI::App& app, double& fps, WeatherCourse& weather) {
   app.add_option("--dirt", weather.dirt, "0 clean to 1 dirty")->check(InRange(0.0, 1.0));
   app.add_option("--wet-at", weather.from_frame, "Frame from which it becomes wet and dirty")
       ->capture_default_str();
+}
+
+void AddCamera(CLI::App& app, CameraChoice& choice) {
+  app.add_option("--camera", choice.orbit,
+                 "Where the camera stands, seen from what it looks at: yaw and elevation in "
+                 "degrees, and how far off "
+                 "as a share of the scene's own distance: 30,10,0.5. It stands still there")
+      ->delimiter(',')
+      ->expected(2, 3)
+      ->allow_extra_args(false)
+      ->type_name("YAW,ELEVATION[,SHARE]");
+  app.add_option("--camera-target", choice.target_m, "What it looks at: x,y,z in m")
+      ->delimiter(',')
+      ->expected(3)
+      ->allow_extra_args(false)
+      ->check(InRange(-1e4, 1e4));
+  app.add_flag("--turntable", choice.turntable,
+               "The camera goes once round in the frames that are run");
+}
+
+void CheckCamera(const CameraChoice& choice) {
+  if (choice.orbit.empty()) return;
+  const auto refuse_outside = [](const char* what, double value, double least, double most) {
+    if (!(value >= least && value <= most))
+      throw UsageError(
+          fmt::format("--camera: {} {} is not within {} and {}", what, value, least, most));
+  };
+  refuse_outside("yaw", choice.orbit[0], -360.0, 360.0);
+  refuse_outside("elevation", choice.orbit[1], -85.0, 85.0);  // straight down has no up
+  if (choice.orbit.size() > 2) refuse_outside("the share", choice.orbit[2], 0.01, 100.0);
 }
 
 void AddPaint(CLI::App& app, PaintAmounts& paint) {

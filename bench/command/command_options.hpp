@@ -85,9 +85,9 @@ void AddExecutor(CLI::App& app, ExecutorKind& executor, uint32_t& workers, uint6
 // Refuses an option that the executor has no use for.
 void CheckExecutor(const CLI::App& app, ExecutorKind executor);
 void AddTimeAndWeather(CLI::App& app, double& fps, WeatherCourse& weather);
-// Of picture_options.cpp.
 void AddCamera(CLI::App& app, CameraChoice& choice);
 void CheckCamera(const CameraChoice& choice);
+// Of picture_options.cpp.
 void AddPictures(CLI::App& app, PictureArgs& args);
 // Refuses what has no effect.
 void CompletePictures(const CLI::App& app, const PictureArgs& args);

@@ -4,12 +4,12 @@
 
 #include <cstdint>
 #include <cstdio>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "bench/accuracy/drawn_problem.hpp"
 #include "bench/command/picture_shots.hpp"
 #include "bench/report/json_text.hpp"
 #include "bench/report/run_report.hpp"
@@ -154,6 +154,8 @@ struct ReportArgs {
   std::string accuracy;  // JSON file of `pelt accuracy` to show as well
 };
 ExitCode Report(const ReportArgs& args);
+// What `pelt accuracy` wrote to a file, to be added to the page as one of AddAccuracySection (bench/accuracy/report).
+std::function<void(JsonText&)> ReadAccuracySection(const std::string& path);
 // A scene's frames as the consoles would run them, for the pages that show it. An object of AddConsoleFrame
 // (bench/consoles/console_report.hpp) for each console, into an array: its slowest of at most 60 frames. One that
 // cannot run the scene says why.
@@ -281,23 +283,7 @@ struct ConformanceArgs {
 std::vector<std::string> ConformanceDoorNames();
 ExitCode CheckConformance(const ConformanceArgs& args);
 
-// Error off a rod against run time, of layers and every strand solver; or, with `scene`, of every way to run its frames;
-// or, with `features`, of contacts, clumps and wind; or, with `roots`, one strand under a recorded
-// root.
-struct AccuracyArgs {
-  std::vector<int> rates, links;         // empty: all
-  std::vector<std::string> presets;      // empty: all
-  uint64_t seed = accuracy::kDrawnSeed;  // that problems are drawn from
-  bool tuned = false;                    // instead: the suite that chose the constants
-  bool calibrated = false;  // there: strands as layers have them, not equal masses and joints
-  Isa isa = BestIsa();
-  bool quick = false;                    // few solvers, cases and rounds
-  OutputPath json;                       // file to write
-  std::optional<ScenarioRequest> scene;  // frames of this instead of the benchmark
-  uint32_t frames = 0;                   // of the scene; 0: enough
-  bool contact = true;                   // in the scene
-  bool features = false;
-};
+struct AccuracyArgs;  // accuracy_args.hpp
 ExitCode MeasureAccuracy(const AccuracyArgs& args);
 
 struct StressArgs {

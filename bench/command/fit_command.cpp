@@ -28,6 +28,7 @@ std::string PlanText(const FitArgs& args, const SceneFit& fit) {
 }  // namespace
 
 ExitCode PrintFit(const FitArgs& args) {
+  RequireAccuracy();
   RunArgs run;
   run.request = args.request;
   Scenario scenario = LoadForRun(run, args.json ? stderr : stdout);

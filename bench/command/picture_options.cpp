@@ -1,9 +1,10 @@
-// Where the camera stands, and what is drawn of a run.
+// The options of pictures of a run.
 #include <fmt/format.h>
 
 #include "bench/command/command_options.hpp"
 #include "bench/command/usage_error.hpp"
 #include "bench/picture/light_steps.hpp"
+#include "bench/picture/renderers.hpp"
 #include "bench/shading/named_lights.hpp"
 
 namespace pelt {
@@ -23,24 +24,6 @@ std::vector<std::string> LightNames() {
 }
 
 }  // namespace
-
-void AddCamera(CLI::App& app, CameraChoice& choice) {
-  app.add_option("--camera", choice.orbit,
-                 "Where the camera stands, seen from what it looks at: yaw and elevation in "
-                 "degrees, and how far off "
-                 "as a share of the scene's own distance: 30,10,0.5. It stands still there")
-      ->delimiter(',')
-      ->expected(2, 3)
-      ->allow_extra_args(false)
-      ->type_name("YAW,ELEVATION[,SHARE]");
-  app.add_option("--camera-target", choice.target_m, "What it looks at: x,y,z in m")
-      ->delimiter(',')
-      ->expected(3)
-      ->allow_extra_args(false)
-      ->check(InRange(-1e4, 1e4));
-  app.add_flag("--turntable", choice.turntable,
-               "The camera goes once round in the frames that are run");
-}
 
 void AddPictures(CLI::App& app, PictureArgs& args) {
   AddOutputFile(app, "--picture", args.last, "PNG file for a picture of the last frame", ".png");
@@ -75,18 +58,6 @@ void AddPictures(CLI::App& app, PictureArgs& args) {
                  "Layers that the pictures show as relief on the skin instead of as hairs; 'all'")
       ->delimiter(',');
   app.add_option("--light", args.light, DescribeLights())->check(OneOf(LightNames()));
-}
-
-void CheckCamera(const CameraChoice& choice) {
-  if (choice.orbit.empty()) return;
-  const auto refuse_outside = [](const char* what, double value, double least, double most) {
-    if (!(value >= least && value <= most))
-      throw UsageError(
-          fmt::format("--camera: {} {} is not within {} and {}", what, value, least, most));
-  };
-  refuse_outside("yaw", choice.orbit[0], -360.0, 360.0);
-  refuse_outside("elevation", choice.orbit[1], -85.0, 85.0);  // straight down has no up
-  if (choice.orbit.size() > 2) refuse_outside("the share", choice.orbit[2], 0.01, 100.0);
 }
 
 void CompletePictures(const CLI::App& app, const PictureArgs& args) {

@@ -9,7 +9,9 @@
 
 #include "bench/picture/light_steps.hpp"
 #include "bench/picture/picture.hpp"
+#include "bench/picture/png.hpp"
 #include "bench/picture/relief_coat.hpp"
+#include "bench/picture/renderers.hpp"
 #include "bench/report/budget.hpp"
 #include "bench/shading/named_lights.hpp"
 #include "core/error.hpp"
@@ -48,6 +50,13 @@ std::vector<uint32_t> FramesToDraw(const PictureArgs& args, double dt_s, uint32_
 
 }  // namespace
 
+void RequirePictures() {}
+
+void WritePng(std::string_view what, const OutputPath& path, std::span<const uint8_t> pixels,
+              uint32_t width, uint32_t height, uint32_t channels) {
+  WriteOutput(what, path, EncodePng(pixels, width, height, channels));
+}
+
 PictureShots::PictureShots(const PictureArgs& args, Scenario& scenario, FurScene& scene,
                            uint32_t frames, VertexOrder order)
     : args_(args),
@@ -66,6 +75,9 @@ PictureShots::PictureShots(const PictureArgs& args, Scenario& scenario, FurScene
   for (const uint32_t frame : frames_) CheckOutput("picture", FrameFile(frame));
 }
 
+PictureShots::PictureShots(PictureShots&&) noexcept = default;
+PictureShots::~PictureShots() = default;
+
 OutputPath PictureShots::FrameFile(uint32_t frame) const {
   return args_.folder.Inside(fmt::format("frame-{:05}.png", frame));
 }
@@ -77,7 +89,7 @@ bool PictureShots::Wants(uint32_t frame) const {
 PictureScene PictureShots::Gather(uint32_t frame) {
   // The frame's camera again, which depends on the frame's number alone.
   const Camera camera = scenario_.PrepareFrame(frame, scene_).camera;
-  if (!maps_) maps_.emplace(scenario_, args_.relief);
+  if (!maps_) maps_ = std::make_unique<PictureMaps>(scenario_, args_.relief);
   PictureScene shown = GatherPicture(scenario_, *maps_, scene_, camera, order_);
   for (const NamedLight& light : kNamedLights)
     if (light.name == args_.light)

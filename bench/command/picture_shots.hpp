@@ -5,17 +5,30 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
+#include <memory>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "bench/command/output_path.hpp"
-#include "bench/picture/png.hpp"
-#include "bench/picture/renderers.hpp"
 #include "bench/report/report_tree.hpp"
 #include "bench/scenarios/scenarios.hpp"
 
 namespace pelt {
+
+// Of bench/picture, which a build may be without (without_pictures.cpp).
+class PictureMaps;
+class PictureRenderer;
+struct AnimationFrame;
+struct PictureScene;
+
+// Throws Error in a build without; before work that would come to a picture.
+void RequirePictures();
+
+// 8 bits a channel, 1 to 4 channels, rows from the top; `what` as WriteOutput has it.
+void WritePng(std::string_view what, const OutputPath& path, std::span<const uint8_t> pixels,
+              uint32_t width, uint32_t height, uint32_t channels);
 
 struct PictureArgs {
   OutputPath last;       // the last of the pictures
@@ -26,9 +39,9 @@ struct PictureArgs {
   uint32_t every = 1;           // frames from one picture to the next, counted from the last frame
   std::vector<double> times_s;  // of the frames to draw instead
   std::string light;            // of kNamedLights; empty: the default
-  std::string renderer = RendererNames().front();
-  std::vector<std::string> relief;  // PictureMaps has it
-  bool lighting_buffer = false;     // PictureOptions has it
+  std::string renderer = "software";  // of RendererNames()
+  std::vector<std::string> relief;    // PictureMaps has it
+  bool lighting_buffer = false;       // PictureOptions has it
 
   bool Any() const {
     return !last.empty() || !folder.empty() || !animation.empty() || !steps.empty();
@@ -37,10 +50,12 @@ struct PictureArgs {
 
 class PictureShots {
  public:
-  // `frames` are run in all; scenario and scene must outlive this. Throws Error for a time that no frame of them has, and where the
-  // renderer cannot be had.
+  // `frames` are run in all; scenario and scene must outlive this. Throws Error for a time that no frame of them has,
+  // and where the renderer cannot be had.
   PictureShots(const PictureArgs& args, Scenario& scenario, FurScene& scene, uint32_t frames,
                VertexOrder order);
+  PictureShots(PictureShots&&) noexcept;
+  ~PictureShots();
 
   uint32_t Count() const { return uint32_t(frames_.size()); }
   uint32_t Taken() const { return uint32_t(seconds_.size()); }
@@ -67,8 +82,8 @@ class PictureShots {
   FurScene& scene_;
   VertexOrder order_;
   std::unique_ptr<PictureRenderer> renderer_;
-  std::optional<PictureMaps> maps_;  // from the first picture on
-  std::vector<uint32_t> frames_;     // rising
+  std::unique_ptr<PictureMaps> maps_;  // from the first picture on
+  std::vector<uint32_t> frames_;       // rising
   std::vector<std::byte> last_;
   std::vector<uint8_t> steps_;
   std::vector<AnimationFrame> animation_;

@@ -2,13 +2,11 @@
 
 #include <algorithm>
 
-#include "bench/accuracy/report/accuracy_report.hpp"
 #include "bench/command/commands.hpp"
 #include "bench/command/progress.hpp"
 #include "bench/consoles/console_report.hpp"
 #include "bench/report/report_page.hpp"
 #include "core/error.hpp"
-#include "core/file_bytes.hpp"
 #include "jobs/tick_clock.hpp"
 
 namespace pelt {
@@ -47,12 +45,8 @@ void AddModelledConsoles(Scenario& scenario, uint32_t frames, const SkipSettings
 ExitCode Report(const ReportArgs& args) {
   CheckRecords(args.run.options.executor);
   // Read first: a mistake in it should not be reported only after a long run.
-  std::vector<std::byte> accuracy;
-  if (!args.accuracy.empty()) {
-    accuracy = ReadFileBytes("accuracy", args.accuracy, kAccuracyBytesLimit).OrThrow();
-    JsonText tried;
-    AddAccuracySection(tried, AsText(accuracy), args.accuracy);
-  }
+  std::function<void(JsonText&)> add_accuracy;
+  if (!args.accuracy.empty()) add_accuracy = ReadAccuracySection(args.accuracy);
   Scenario scenario = LoadForRun(args.run, stdout);
   RunOptions options = args.run.options;
   RunningScenario running(scenario, options.scene);
@@ -70,9 +64,6 @@ ExitCode Report(const ReportArgs& args) {
     if (!args.consoles) return;
     AddModelledConsoles(scenario, options.frames ? options.frames : scenario.default_frames,
                         options.skip, options.lod, json);
-  };
-  const auto add_accuracy = [&](JsonText& json) {
-    if (!accuracy.empty()) AddAccuracySection(json, AsText(accuracy), args.accuracy);
   };
   WriteOutput("report", args.out,
               recorder.Page(report, tick_scale.NsPerTick(), add_consoles, add_accuracy));

@@ -4,12 +4,11 @@
 #include <cmath>
 
 #include "bench/command/commands.hpp"
-#include "bench/picture/png.hpp"
 #include "bench/report/report_tree.hpp"
 #include "bench/scenarios/scenarios.hpp"
 #include "core/character/pose.hpp"
 #include "core/error.hpp"
-#include "core/printable.hpp"
+#include "core/format.hpp"
 
 namespace pelt {
 namespace {
@@ -146,6 +145,7 @@ void AddClips(const Character& character, ReportTree& tree) {
 }  // namespace
 
 ExitCode ShowCharacter(const ShowCharacterArgs& args) {
+  if (!args.uv_template.empty()) RequirePictures();
   const Character character = LoadCharacter(args.character);
   if (args.check_files_read) args.check_files_read(character.files_read);
   std::vector<std::string> notes = character.notes;
@@ -165,7 +165,7 @@ ExitCode ShowCharacter(const ShowCharacterArgs& args) {
   if (!args.out.empty()) WriteOutput("setup", args.out, setup);
   if (!args.uv_template.empty()) {
     const UvTemplate made = DrawUvTemplate(character, surface);
-    WriteOutput("UV template", args.uv_template, EncodePng(made.rgb, made.width, made.height, 3));
+    WritePng("UV template", args.uv_template, made.rgb, made.width, made.height, 3);
   }
   fmt::print("{}", args.json ? tree.Json() : tree.Text());
   if (args.json) return kDone;

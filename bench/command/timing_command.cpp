@@ -8,13 +8,12 @@
 #include "bench/command/usage_error.hpp"
 #include "bench/report/report_tree.hpp"
 #include "core/file_bytes.hpp"
-#include "core/printable.hpp"
+#include "core/format.hpp"
 #include "platform_sim/pipeline/issue_walk.hpp"
 #include "platform_sim/pipeline/listing.hpp"
 #include "platform_sim/pipeline/ppe_core.hpp"
-#include "platform_sim/pipeline/ppe_pair.hpp"
 #include "platform_sim/pipeline/spu_core.hpp"
-#include "platform_sim/platforms/cell_system.hpp"
+#include "platform_sim/platforms/cell.hpp"
 
 namespace pelt {
 namespace {

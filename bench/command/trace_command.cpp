@@ -12,8 +12,8 @@
 #include "bench/verify/replay.hpp"
 #include "bench/verify/stage_digests.hpp"
 #include "core/error.hpp"
+#include "core/format.hpp"
 #include "core/groom/groom_file.hpp"
-#include "core/printable.hpp"
 
 namespace pelt {
 namespace {
@@ -106,8 +106,8 @@ std::string DescribeSettings(const RunArgs& args) {
   if (!args.request.clip.empty()) all.push_back("clip " + Printable(args.request.clip));
   if (args.request.once) all.push_back("clips once");
   const auto say = [&](auto LayerParams::*param, const auto& value) {
-    const auto& row = LayerParamRowOf(param);
-    if (value) all.push_back(fmt::format("{} {}", row.key, row.words[size_t(*value)]));
+    const auto& entry = LayerParamEntryOf(param);
+    if (value) all.push_back(fmt::format("{} {}", entry.key, entry.words[size_t(*value)]));
   };
   say(&LayerParams::solver, args.request.solver);
   say(&LayerParams::quality, args.request.quality);

@@ -18,7 +18,7 @@
 #include "bench/viewer/replay_viewer.hpp"
 #include "bench/viewer/scene_watch.hpp"
 #include "core/error.hpp"
-#include "core/printable.hpp"
+#include "core/format.hpp"
 
 #if !defined(_WIN32)
 #include <fcntl.h>

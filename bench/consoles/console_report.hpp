@@ -10,7 +10,7 @@
 #include "bench/report/json_text.hpp"
 #include "jobs/scene.hpp"
 #include "platform_sim/kernel_rows.hpp"
-#include "traces/timeline.hpp"
+#include "traces/chrome_trace.hpp"
 
 namespace pelt {
 

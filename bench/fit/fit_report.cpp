@@ -9,7 +9,7 @@ namespace {
 double Px(const TipError& error) { return 1e-6 * error.p99_micropixels; }
 
 Value Word(auto LayerParams::*param, const auto& value) {
-  return value ? Value(LayerParamRowOf(param).words[size_t(*value)]) : Value();
+  return value ? Value(LayerParamEntryOf(param).words[size_t(*value)]) : Value();
 }
 
 // Of the table of layers: each platform has a column for a layer's part of its frame.

@@ -10,8 +10,8 @@
 #include "bench/report/run_report.hpp"
 #include "core/error.hpp"
 #include "core/file_bytes.hpp"
-#include "core/groom/setup_rows.hpp"
-#include "core/modal/quality_on_screen.hpp"
+#include "core/groom/setup_entries.hpp"
+#include "core/modal/modal_quality.hpp"
 #include "jobs/frame_recording.hpp"
 
 namespace pelt {
@@ -208,23 +208,23 @@ PlatformCost PriceOn(const HostCosts& costs, const std::string& path, Scenario& 
 }  // namespace
 
 template <>
-std::span<const KeyRow<HostCosts::Stage>> Schema() {
+std::span<const KeyEntry<HostCosts::Stage>> Schema() {
   using S = HostCosts::Stage;
-  using namespace setup_rows;
-  static const KeyRow<S> kRows[] = {
+  using namespace setup_entries;
+  static const KeyEntry<S> kEntries[] = {
       Required(Plain<&S::name>("name", "text", "of the stage")),
       Plain<&S::tier>("tier", "text", "of pelt fit"),
       Required(Count<&S::picoseconds>("picoseconds", 0, 4e9, "per iteration")),
       Count<&S::item_picoseconds>("item_picoseconds", 0, 4e9, "an item"),
   };
-  return kRows;
+  return kEntries;
 }
 
 template <>
-std::span<const KeyRow<HostCosts>> Schema() {
+std::span<const KeyEntry<HostCosts>> Schema() {
   using H = HostCosts;
-  using namespace setup_rows;
-  static const KeyRow<H> kRows[] = {
+  using namespace setup_entries;
+  static const KeyEntry<H> kEntries[] = {
       Required(Plain<&H::processor>("processor", "text", "measured")),
       Required(Plain<&H::commit>("commit", "text", "of the program")),
       Required(Plain<&H::isa>("isa", "text", "of the kernels")),
@@ -239,7 +239,7 @@ std::span<const KeyRow<HostCosts>> Schema() {
        },
        nullptr},
   };
-  return kRows;
+  return kEntries;
 }
 
 HostCosts MeasureHost(const CalibrationOptions& options, std::vector<std::string>& disturbances) {

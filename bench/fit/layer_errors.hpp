@@ -28,6 +28,9 @@ struct ErrorFrames {
   std::function<void(uint32_t done, uint32_t total)> progress = {};
 };
 
+// Throws Error in a build without bench/accuracy, by which errors are measured; before work that would come to them.
+void RequireAccuracy();
+
 // Of each way: each layer of the scene, and all of them together last.
 std::vector<std::vector<TipError>> MeasureTipErrors(const Scenario& scene, std::span<Scenario> ways,
                                                     const ErrorFrames& frames);

@@ -11,7 +11,7 @@
 #include "core/error.hpp"
 #include "core/file_bytes.hpp"
 #include "core/groom/nearest_word.hpp"
-#include "core/groom/setup_rows.hpp"
+#include "core/groom/setup_entries.hpp"
 
 namespace pelt {
 namespace {
@@ -20,15 +20,15 @@ constexpr uint64_t kPlanBytesLimit = 16u << 20;
 
 // A word of a layer's parameter, as in a setup.
 template <auto kMember, class Enum>
-KeyRow<LayerChoice> Word(Enum LayerParams::*param) {
-  const auto& row = LayerParamRowOf(param);
-  return setup_rows::MakeRow<&LayerChoice::choice, kMember>(
-      {row.key, "word", "", row.low, row.high, row.text, row.words});
+KeyEntry<LayerChoice> Word(Enum LayerParams::*param) {
+  const auto& entry = LayerParamEntryOf(param);
+  return setup_entries::MakeEntry<&LayerChoice::choice, kMember>(
+      {entry.key, "word", "", entry.low, entry.high, entry.text, entry.words});
 }
 
 template <auto kMember>
-KeyRow<LayerChoice> Share(std::string_view key, double low, std::string_view doc) {
-  return setup_rows::MakeRow<&LayerChoice::choice, kMember>({key, "number", "", low, 1, doc});
+KeyEntry<LayerChoice> Share(std::string_view key, double low, std::string_view doc) {
+  return setup_entries::MakeEntry<&LayerChoice::choice, kMember>({key, "number", "", low, 1, doc});
 }
 
 // What held a sag-free layer up.
@@ -62,27 +62,27 @@ void KeepStrands(Groom& groom, GroomLayer& layer, float share) {
 
 template <class Enum>
 std::string WordOf(Enum LayerParams::*param, Enum value) {
-  const auto& row = LayerParamRowOf(param);
-  return fmt::format("{} = \"{}\"\n", row.key, row.words[size_t(value)]);
+  const auto& entry = LayerParamEntryOf(param);
+  return fmt::format("{} = \"{}\"\n", entry.key, entry.words[size_t(value)]);
 }
 
 }  // namespace
 
 template <>
-std::span<const KeyRow<LayerChoice>> Schema() {
+std::span<const KeyEntry<LayerChoice>> Schema() {
   using C = LayerChoice;
   using S = SimulationChoice;
-  static const KeyRow<C> kRows[] = {
-      setup_rows::Required(
-          setup_rows::Count<&C::character>("character", 0, 1e6, "of the scene, from 0")),
-      setup_rows::Required(setup_rows::Plain<&C::name>("name", "text", "of its layer")),
+  static const KeyEntry<C> kEntries[] = {
+      setup_entries::Required(
+          setup_entries::Count<&C::character>("character", 0, 1e6, "of the scene, from 0")),
+      setup_entries::Required(setup_entries::Plain<&C::name>("name", "text", "of its layer")),
       Word<&S::solver>(&LayerParams::solver),
       Word<&S::quality>(&LayerParams::quality),
       Word<&S::curl_follows>(&LayerParams::curl_follows),
       Share<&S::chain_share>("chain_share", 0.125, "of its chains at mesh vertices"),
       Share<&S::strand_share>("strand_share", 0.01, "of its strands"),
   };
-  return kRows;
+  return kEntries;
 }
 
 std::vector<LayerChoice> ReadLayerPlan(const std::string& path) {

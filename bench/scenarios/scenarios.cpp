@@ -17,11 +17,11 @@
 #include "core/character/pose.hpp"
 #include "core/error.hpp"
 #include "core/file_bytes.hpp"
+#include "core/format.hpp"
 #include "core/groom/bake.hpp"
 #include "core/groom/groom_file.hpp"
 #include "core/groom/nearest_word.hpp"
 #include "core/groom/setup_names.hpp"
-#include "core/printable.hpp"
 #include "core/random.hpp"
 
 namespace pelt {

@@ -7,7 +7,7 @@
 #include "bench/scenarios/scenarios.hpp"
 #include "core/character/pose.hpp"
 #include "core/error.hpp"
-#include "core/printable.hpp"
+#include "core/format.hpp"
 
 namespace pelt {
 namespace {

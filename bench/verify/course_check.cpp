@@ -144,13 +144,13 @@ CourseCheck::CourseCheck(Scenario& scenario, const FrameSettings& settings, uint
 }
 
 void CourseCheck::AddTurns(uint64_t seed) {
-  std::vector<const ExecutorRow*> rows;
-  for (const ExecutorRow& row : ExecutorRows())
-    if (!row.stages_alone && row.IsAvailable()) rows.push_back(&row);
+  std::vector<const ExecutorEntry*> entries;
+  for (const ExecutorEntry& entry : ExecutorEntries())
+    if (!entry.stages_alone && entry.IsAvailable()) entries.push_back(&entry);
   for (const Isa isa : kAllIsas) {
     VerifyCase what;
     what.isa = isa;
-    what.executor = *rows[(seed + uint64_t(isa)) % rows.size()];
+    what.executor = *entries[(seed + uint64_t(isa)) % entries.size()];
     const uint32_t workers = random_.Below(4) ? 2 + random_.Below(3) : 20;
     if (what.executor->HasWorkers()) what.workers = workers;
     what.order_seed = random_.Below(100);

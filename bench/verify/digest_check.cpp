@@ -127,7 +127,7 @@ class DigestCheck {
       return *scene.memory().Of<&Streams::chunk_state>(c);
     };
     const bool unsorted = order_ == VertexOrder::kIndexBuffer;
-    const OutputRow* output = unsorted ? FindOutputIn(stream) : nullptr;
+    const OutputEntry* output = unsorted ? FindOutputIn(stream) : nullptr;
     if (output && output->in_strand_order != stream) return 0;  // nothing writes it
     const auto counts = desc.lanes.count;
     if (counts == &streams_detail::CountVertices)

@@ -79,7 +79,7 @@ std::unique_ptr<WatchedExecutor> Make(const ExecutorSettings& settings) {
 }
 
 using S = ExecutorSettings;
-constexpr ExecutorRow kRows[] = {
+constexpr ExecutorEntry kEntries[] = {
     {"serial", "one item after another", ItemOrder::kAscending, Make<SerialExecutor>},
     {"tbb", "threads of oneTBB", ItemOrder::kThreads, Make<TbbExecutor, &S::workers>},
     {"door", "an engine's jobs, here of a thread pool", ItemOrder::kThreads,
@@ -102,18 +102,18 @@ constexpr ExecutorRow kRows[] = {
 
 }  // namespace
 
-std::span<const ExecutorRow> ExecutorRows() { return kRows; }
+std::span<const ExecutorEntry> ExecutorEntries() { return kEntries; }
 
 ExecutorKind::ExecutorKind(std::string_view name) {
-  const auto* row = std::ranges::find(kRows, name, &ExecutorRow::name);
-  if (row == std::end(kRows)) throw Error(fmt::format("no executor '{}'", name));
-  row_ = row;
+  const auto* entry = std::ranges::find(kEntries, name, &ExecutorEntry::name);
+  if (entry == std::end(kEntries)) throw Error(fmt::format("no executor '{}'", name));
+  entry_ = entry;
 }
 
-std::vector<std::string> OfferedExecutors(bool (ExecutorRow::*which)() const) {
+std::vector<std::string> OfferedExecutors(bool (ExecutorEntry::*which)() const) {
   std::vector<std::string> names;
-  for (const ExecutorRow& row : kRows)
-    if (!row.stages_alone && (!which || (row.*which)())) names.emplace_back(row.name);
+  for (const ExecutorEntry& entry : kEntries)
+    if (!entry.stages_alone && (!which || (entry.*which)())) names.emplace_back(entry.name);
   return names;
 }
 

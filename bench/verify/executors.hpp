@@ -1,7 +1,7 @@
-// The executors of a frame, one row each: what `--executor` offers, what `pelt verify` compares
+// The executors of a frame, one entry each: what `--executor` offers, what `pelt verify` compares
 // with the reference, what every report names.
 //
-// Invariant: what a caller wants to know of an executor is a property of its row, and what an
+// Invariant: what a caller wants to know of an executor is a property of its entry, and what an
 // executor has to say of its runs it says through WatchedExecutor; no caller asks which one it is.
 // Only a check that is about one executor (closed pages) names it.
 #pragma once
@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "jobs/frame.hpp"
-#include "jobs/verify/finding.hpp"
+#include "jobs/verify/mismatch.hpp"
 
 namespace pelt {
 
@@ -39,7 +39,7 @@ struct ExecutorSettings {
   uint32_t local_store_data_bytes = PlanOptions{}.local_store_data_bytes;
 };
 
-struct ExecutorRow {
+struct ExecutorEntry {
   std::string_view name, text;  // "on threads of oneTBB"
   ItemOrder order;
   std::unique_ptr<WatchedExecutor> (*make)(const ExecutorSettings&);
@@ -55,25 +55,25 @@ struct ExecutorRow {
   bool IsAvailable() const { return !available || available(); }
 };
 
-// All rows: the first is the reference's, then as tables of a report have them.
-std::span<const ExecutorRow> ExecutorRows();
+// All entries: the first is the reference's, then as tables of a report have them.
+std::span<const ExecutorEntry> ExecutorEntries();
 
-// A row, by its name. Throws Error for a name that no row has.
+// An entry, by its name. Throws Error for a name that no entry has.
 class ExecutorKind {
  public:
-  ExecutorKind() : row_(&ExecutorRows().front()) {}
+  ExecutorKind() : entry_(&ExecutorEntries().front()) {}
   explicit ExecutorKind(std::string_view name);
   ExecutorKind(const char* name) : ExecutorKind(std::string_view(name)) {}
-  ExecutorKind(const ExecutorRow& row) : row_(&row) {}
+  ExecutorKind(const ExecutorEntry& entry) : entry_(&entry) {}
 
-  const ExecutorRow* operator->() const { return row_; }
+  const ExecutorEntry* operator->() const { return entry_; }
   bool operator==(const ExecutorKind&) const = default;
 
  private:
-  const ExecutorRow* row_;
+  const ExecutorEntry* entry_;
 };
 
 // The names of those that commands offer: all of them, or those with workers, or with a seed.
-std::vector<std::string> OfferedExecutors(bool (ExecutorRow::*which)() const = nullptr);
+std::vector<std::string> OfferedExecutors(bool (ExecutorEntry::*which)() const = nullptr);
 
 }  // namespace pelt

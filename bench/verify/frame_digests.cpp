@@ -27,7 +27,7 @@ StreamDigests DigestsOf(const FurScene& scene) {
 bool SameDigests(const StreamDigests& a, const StreamDigests& b, const Agreement& agreement) {
   for (uint32_t s = 0; s < kStreamCount; ++s) {
     if (a[s] == b[s]) continue;
-    const OutputRow* const output = FindOutputIn(Stream(s));
+    const OutputEntry* const output = FindOutputIn(Stream(s));
     const bool vertices = output && output->in_draw_order == Stream(s);
     const bool bookkeeping = DescribeStream(Stream(s)).role == Role::kBookkeeping;
     if ((agreement.vertices || !vertices) && (agreement.bookkeeping || !bookkeeping)) return false;

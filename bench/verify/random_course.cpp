@@ -241,22 +241,22 @@ double DrawNumber(Random& random, double low, double high, double usual) {
 }
 
 template <class T>
-void DrawParam(Random& random, const LayerParamRow<T>& row, T& value) {
+void DrawParam(Random& random, const LayerParamEntry<T>& entry, T& value) {
   if constexpr (std::is_same_v<T, float>) {
-    value = float(DrawNumber(random, row.low, row.high, double(value)));
+    value = float(DrawNumber(random, entry.low, entry.high, double(value)));
   } else if constexpr (std::is_same_v<T, bool> || std::is_enum_v<T>) {
-    value = T(random.Below(uint32_t(row.high) + 1));
+    value = T(random.Below(uint32_t(entry.high) + 1));
   } else if constexpr (std::is_same_v<T, uint32_t>) {
-    value = uint32_t(DrawNumber(random, row.low, row.high, double(value)));
+    value = uint32_t(DrawNumber(random, entry.low, entry.high, double(value)));
   } else {
     for (auto& element : value)
-      element = float(DrawNumber(random, row.low, row.high, double(element)));
+      element = float(DrawNumber(random, entry.low, entry.high, double(element)));
   }
 }
 
 void SetUsual(LayerParams& params, std::string_view key) {
-  ForEachLayerParam([&](const auto& row) {
-    if (row.key == key) params.*row.member = LayerParams{}.*row.member;
+  ForEachLayerParam([&](const auto& entry) {
+    if (entry.key == key) params.*entry.member = LayerParams{}.*entry.member;
   });
 }
 
@@ -264,7 +264,7 @@ void SetUsual(LayerParams& params, std::string_view key) {
 LayerParams DrawParams(Random& random) {
   constexpr uint32_t kPoints[] = {4, 5, 9};
   LayerParams params;
-  ForEachLayerParam([&](const auto& row) { DrawParam(random, row, params.*row.member); });
+  ForEachLayerParam([&](const auto& entry) { DrawParam(random, entry, params.*entry.member); });
   params.points = kPoints[random.Below(3)];
   params.max_distance =
       std::max(params.max_distance, params.max_distance > 0.0f ? kLeastMaxDistance : 0.0f);
@@ -272,12 +272,12 @@ LayerParams DrawParams(Random& random) {
   return params;
 }
 
-Attribute DrawAttribute(Random& random, const StrandAttribute& row, const Attribute& usual) {
-  Attribute drawn(float(DrawNumber(random, row.low, row.high, double(usual.value))));
+Attribute DrawAttribute(Random& random, const StrandAttribute& entry, const Attribute& usual) {
+  Attribute drawn(float(DrawNumber(random, entry.low, entry.high, double(usual.value))));
   if (random.Below(2)) drawn.randomise = float(random.Uniform());
   if (random.Below(4) == 0) {
-    const float ends[] = {float(DrawNumber(random, row.low, row.high, double(usual.value))),
-                          float(DrawNumber(random, row.low, row.high, double(usual.value)))};
+    const float ends[] = {float(DrawNumber(random, entry.low, entry.high, double(usual.value))),
+                          float(DrawNumber(random, entry.low, entry.high, double(usual.value)))};
     drawn.range = glm::vec2(std::min(ends[0], ends[1]), std::max(ends[0], ends[1]));
   }
   return drawn;
@@ -299,8 +299,8 @@ LayerSetup DrawLayer(Random& random, const Character& character, std::string nam
   layer.name = std::move(name);
   layer.seed = random.U64();
   layer.params = DrawParams(random);
-  for (const StrandAttribute& row : kStrandAttributes)
-    layer.*row.member = DrawAttribute(random, row, layer.*row.member);
+  for (const StrandAttribute& entry : kStrandAttributes)
+    layer.*entry.member = DrawAttribute(random, entry, layer.*entry.member);
   layer.max_strands = 1 + random.Below(200);
   layer.density = 1.0e4f * float(1u << random.Below(6));
   layer.clump_controls = 16u << random.Below(3);
@@ -379,9 +379,9 @@ RandomScene DrawFrom(Random random) {
 }
 
 template <class T>
-std::string ShowValue(const LayerParamRow<T>& row, const T& value) {
+std::string ShowValue(const LayerParamEntry<T>& entry, const T& value) {
   if constexpr (std::is_enum_v<T>)
-    return fmt::format("\"{}\"", row.words[size_t(value)]);
+    return fmt::format("\"{}\"", entry.words[size_t(value)]);
   else if constexpr (std::is_class_v<T>)
     return fmt::format("[{}, {}, {}]", value[0], value[1], value[2]);
   else
@@ -401,10 +401,10 @@ RandomScene DrawScene(uint64_t seed) {
 std::string DescribeDrawn(const LayerParams& params) {
   std::string text;
   const LayerParams usual;
-  ForEachLayerParam([&](const auto& row) {
-    if (params.*row.member == usual.*row.member) return;
-    text += fmt::format("{}{} = {}", text.empty() ? "" : ", ", row.key,
-                        ShowValue(row, params.*row.member));
+  ForEachLayerParam([&](const auto& entry) {
+    if (params.*entry.member == usual.*entry.member) return;
+    text += fmt::format("{}{} = {}", text.empty() ? "" : ", ", entry.key,
+                        ShowValue(entry, params.*entry.member));
   });
   return text;
 }

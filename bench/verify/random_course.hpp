@@ -1,7 +1,7 @@
-// A scene and its course, drawn from a seed: setups within the bounds of the schema's rows, and inputs of every kind
+// A scene and its course, drawn from a seed: setups within the bounds of the schema's entries, and inputs of every kind
 // that a frame takes.
 //
-// A key that gets a row (layer_params.hpp, fur_setup.hpp) is drawn from then on. Most values are usual ones or about
+// A key that gets an entry (layer_params.hpp, fur_setup.hpp) is drawn from then on. Most values are usual ones or about
 // them, so that fur moves as fur does; some are at a bound or anywhere between.
 //
 // Invariant: the same seed gives the same bits on every machine (core/random.hpp, no libm).

@@ -29,13 +29,13 @@ class RollbackCheck {
         settings_(settings),
         straight_(scenario, {.isa = BestIsa()}, FrameSettingsOf(settings, scenario), {}) {}
 
-  CheckResult Run(const ExecutorRow& row, uint64_t seed) {
-    VerifyCase what{.executor = row, .isa = BestIsa(), .settings = settings_};
-    if (row.HasWorkers()) what.workers = 3;
+  CheckResult Run(const ExecutorEntry& entry, uint64_t seed) {
+    VerifyCase what{.executor = entry, .isa = BestIsa(), .settings = settings_};
+    if (entry.HasWorkers()) what.workers = 3;
     CheckResult result;
     result.section = "rollback";
-    result.name =
-        fmt::format("{}, {}, {} frames back", row.name, SettingsName(settings_), options_.rollback);
+    result.name = fmt::format("{}, {}, {} frames back", entry.name, SettingsName(settings_),
+                              options_.rollback);
     CaseRun run(scenario_, what, FrameSettingsOf(settings_, scenario_), options_.tamper);
     Random random(seed);
     uint32_t next = 0;
@@ -133,8 +133,8 @@ void CheckRollback(Scenario& scenario, const VerifyOptions& options, VerifyRepor
   uint64_t seed = 0;
   for (const Settings settings : {Settings::kSkips, Settings::kLod}) {
     RollbackCheck check(scenario, options, settings);
-    for (const ExecutorRow& row : ExecutorRows())
-      if (row.IsAvailable()) report.checks.push_back(check.Run(row, ++seed));
+    for (const ExecutorEntry& entry : ExecutorEntries())
+      if (entry.IsAvailable()) report.checks.push_back(check.Run(entry, ++seed));
   }
 }
 

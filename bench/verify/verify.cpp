@@ -106,8 +106,8 @@ CaseResult RunCase(Scenario& scenario, const VerifyCase& what, const Course& ref
 }
 
 // Each stage alone, so fusion is nothing to it: every setting, order and sort once.
-void AddStagesAlone(const ExecutorRow& row, Isa isa, std::vector<VerifyCase>& cases) {
-  VerifyCase c{.executor = row, .isa = isa};
+void AddStagesAlone(const ExecutorEntry& entry, Isa isa, std::vector<VerifyCase>& cases) {
+  VerifyCase c{.executor = entry, .isa = isa};
   cases.push_back(c);
   c.settings = Settings::kLod;
   c.vertex_order = VertexOrder::kIndexBuffer;
@@ -119,17 +119,17 @@ void AddStagesAlone(const ExecutorRow& row, Isa isa, std::vector<VerifyCase>& ca
 }
 
 // An executor with all its numbers of workers, or all its orders.
-void AddVariants(const ExecutorRow& row, std::vector<VerifyCase>& cases) {
-  switch (row.order) {
+void AddVariants(const ExecutorEntry& entry, std::vector<VerifyCase>& cases) {
+  switch (entry.order) {
     case ItemOrder::kAscending:
-      cases.push_back({.executor = row});
+      cases.push_back({.executor = entry});
       break;
     case ItemOrder::kSeeded:
       for (const uint64_t seed : kOrderSeeds)
-        cases.push_back({.executor = row, .order_seed = seed});
+        cases.push_back({.executor = entry, .order_seed = seed});
       break;
     case ItemOrder::kThreads:
-      for (const uint32_t n : kWorkerCounts) cases.push_back({.executor = row, .workers = n});
+      for (const uint32_t n : kWorkerCounts) cases.push_back({.executor = entry, .workers = n});
   }
 }
 
@@ -167,8 +167,8 @@ void Outcome::Miss(std::string why) {
 
 std::vector<VerifyCase> AllCases() {
   std::vector<VerifyCase> executors;
-  for (const ExecutorRow& row : ExecutorRows())
-    if (!row.stages_alone && row.IsAvailable()) AddVariants(row, executors);
+  for (const ExecutorEntry& entry : ExecutorEntries())
+    if (!entry.stages_alone && entry.IsAvailable()) AddVariants(entry, executors);
 
   std::vector<VerifyCase> cases;
   for (const Isa isa : kAllIsas) {
@@ -185,12 +185,12 @@ std::vector<VerifyCase> AllCases() {
               c.fuse = fuse;
               cases.push_back(c);
             }
-    for (const ExecutorRow& row : ExecutorRows())
-      if (row.stages_alone && row.IsAvailable()) AddStagesAlone(row, isa, cases);
-    for (const ExecutorRow& row : ExecutorRows())
-      if (!row.stages_alone && row.IsAvailable())
-        cases.push_back({.executor = row,
-                         .workers = row.HasWorkers() ? 2u : 1u,
+    for (const ExecutorEntry& entry : ExecutorEntries())
+      if (entry.stages_alone && entry.IsAvailable()) AddStagesAlone(entry, isa, cases);
+    for (const ExecutorEntry& entry : ExecutorEntries())
+      if (!entry.stages_alone && entry.IsAvailable())
+        cases.push_back({.executor = entry,
+                         .workers = entry.HasWorkers() ? 2u : 1u,
                          .isa = isa,
                          .odd_floats = true});
   }
@@ -208,8 +208,8 @@ VerifyReport Verify(const Scenario& scenario, const VerifyOptions& options) {
   for (const Isa isa : kAllIsas)
     if (!FindKernels(isa))
       report.not_run.push_back(fmt::format("instruction set {}", IsaName(isa)));
-  for (const ExecutorRow& row : ExecutorRows())
-    if (!row.IsAvailable()) report.not_run.push_back(fmt::format("executor {}", row.name));
+  for (const ExecutorEntry& entry : ExecutorEntries())
+    if (!entry.IsAvailable()) report.not_run.push_back(fmt::format("executor {}", entry.name));
 
   if (!HasRoomForEverything(scenario))
     report.not_run.push_back("the character of `everything`: the scene is of another size");

@@ -25,7 +25,6 @@
 #include "bench/scenarios/scenarios.hpp"
 #include "bench/verify/executors.hpp"
 #include "bench/verify/shard.hpp"
-#include "jobs/verify/finding.hpp"
 #include "jobs/verify/mismatch.hpp"
 
 namespace pelt {

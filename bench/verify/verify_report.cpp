@@ -81,8 +81,8 @@ void AddMatrix(const VerifyReport& report, ReportTree& tree) {
     table.Add(std::move(values));
   }
   std::string alone;
-  for (const ExecutorRow& row : ExecutorRows())
-    if (row.stages_alone) alone += fmt::format("; {}: {}", row.name, row.text);
+  for (const ExecutorEntry& entry : ExecutorEntries())
+    if (entry.stages_alone) alone += fmt::format("; {}: {}", entry.name, entry.text);
   tree.Say(
       "each cell: fused and unfused plan x sorted vertices and index buffer x whole and piecewise "
       "sort x skips on, off and LOD; odd: threads that round upwards and flush denormals" +

@@ -2,9 +2,9 @@
 //
 // The scene comes to rest until most of its chunks sleep, damped where it does not by itself. From
 // there one number of its input changes, is held for a frame and goes back; every executor must give
-// the bits of a scene with all skips off, which came to rest without ever sleeping. What a pose gives at once (the palette, the
-// roots) is also compared with a scene that sees this pose in its first frame: a change that is
-// hidden from the one that never sleeps too is found so.
+// the bits of a scene with all skips off, which came to rest without ever sleeping. What a pose gives at once (the
+// palette, the roots) is also compared with a scene that sees this pose in its first frame: a change that is hidden
+// from the one that never sleeps too is found so.
 //
 // What breaks if ignored: skips are compared where nothing sleeps, or where nothing wakes.
 #include <fmt/format.h>
@@ -157,11 +157,11 @@ class WakingCheck {
 
   void MakeRuns() {
     std::vector<VerifyCase> cases = {Best()};
-    for (const ExecutorRow& row : ExecutorRows().subspan(1)) {
-      if (!row.IsAvailable()) continue;
+    for (const ExecutorEntry& entry : ExecutorEntries().subspan(1)) {
+      if (!entry.IsAvailable()) continue;
       VerifyCase what = Best();
-      what.executor = row;
-      if (row.HasWorkers()) what.workers = 2;
+      what.executor = entry;
+      if (entry.HasWorkers()) what.workers = 2;
       what.order_seed = 1;
       cases.push_back(what);
     }

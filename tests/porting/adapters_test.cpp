@@ -14,10 +14,8 @@
 #include "jobs/adapters/bullet_door.hpp"
 #endif
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 void ExpectConforms(const EngineDoor& door, const ConformanceOptions& options = {}) {
   const ConformanceReport report = CheckDoor(door, options);
@@ -28,8 +26,7 @@ void ExpectConforms(const EngineDoor& door, const ConformanceOptions& options = 
 const std::vector<uint64_t>& SerialFrames() {
   static const std::vector<uint64_t> kTruth = [] {
     Scenario scenario = TinyScenario();
-    SerialExecutor serial;
-    return RunDigests(scenario, {}, serial, 22);
+    return RunDigests(scenario, {}, 22);
   }();
   return kTruth;
 }
@@ -165,4 +162,4 @@ TEST(Adapters, ConformanceRunsTheCallersFrames) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

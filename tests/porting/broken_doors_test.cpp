@@ -73,6 +73,13 @@ TEST(BrokenDoors, StartsTasksTwice) {
   ExpectFails(report, "as it is", "called again");
 }
 
+// For doors where every task is a thread.
+uint64_t RunOneFrame(Executor& executor) {
+  conformance::SyntheticFrames frames;
+  executor.Run(frames.frame());
+  return frames.Digest();
+}
+
 TEST(BrokenDoors, ReturnsNullForQueuedTasks) {
   BrokenDoor broken;
   const auto enqueue = [](PeltTask task, void* context, void* user, const char*) -> void* {
@@ -83,13 +90,7 @@ TEST(BrokenDoors, ReturnsNullForQueuedTasks) {
     });
     return nullptr;
   };
-  // One frame only: every task is a thread.
-  const auto course = [](Executor& executor) {
-    conformance::SyntheticFrames frames;
-    executor.Run(frames.frame());
-    return frames.Digest();
-  };
-  const auto report = CheckDoor({enqueue, &BrokenDoor::Finish, &broken, 2}, course);
+  const auto report = CheckDoor({enqueue, &BrokenDoor::Finish, &broken, 2}, RunOneFrame);
   ExpectFails(report, "tasks", "null");
   ExpectFails(report, "as it is", "null");
 }
@@ -103,12 +104,7 @@ TEST(BrokenDoors, FinishReturnsEarly) {
     });
     return user;
   };
-  const auto course = [](Executor& executor) {
-    conformance::SyntheticFrames frames;
-    executor.Run(frames.frame());
-    return frames.Digest();
-  };
-  const auto report = CheckDoor({enqueue, &BrokenDoor::Finish, &broken, 2}, course);
+  const auto report = CheckDoor({enqueue, &BrokenDoor::Finish, &broken, 2}, RunOneFrame);
   ExpectFails(report, "tasks", "before its task had run");
   ExpectFails(report, "as it is", "had not returned");
 }

@@ -122,6 +122,10 @@ sed -i 's/groom tbb/teapot/' "$work/extra/CMakeLists.txt"
 cmake -S "$work/extra" -B "$work/teapot" -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_PREFIX_PATH="$work/moved" >"$work/log" 2>&1 &&
   fail "a component that does not exist was found"
 grep -q teapot "$work/log" || fail "the missing component is not named"
+# The yardstick as a project of its own; two of its files, for the time it takes.
+quietly cmake -G Ninja -S "$source_dir/bench/accuracy" -B "$work/accuracy" "${launcher[@]}" -DCMAKE_CXX_COMPILER="$compiler" \
+  -DCMAKE_PREFIX_PATH="$work/moved" &&
+  quietly cmake --build "$work/accuracy" --target CMakeFiles/pelt_accuracy.dir/{modal_solver,curve_strand}.cpp.o
 
 # 2. pkg-config; and every public header compiles alone.
 if command -v pkg-config >/dev/null; then

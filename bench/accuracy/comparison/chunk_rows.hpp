@@ -7,13 +7,15 @@
 
 #include <cmath>
 #include <cstring>
+#include <memory>
 #include <new>
 #include <utility>
+#include <vector>
 
 #include "bench/accuracy/strand_solver.hpp"
 #include "core/chunk.hpp"
 #include "core/kernel.hpp"
-#include "core/kernels/chain.hpp"
+#include "core/kernels/simulate_params.hpp"
 #include "core/streams.hpp"
 
 namespace pelt::accuracy {
@@ -117,6 +119,25 @@ struct ChunkRows {
     const auto& rows = frame.rest[link];
     return Unit({rows[0][lane], rows[1][lane], rows[2][lane]});
   }
+};
+
+// Of solvers whose strands lie in chunks, of kinds of ChunkRows.
+template <class Blocks>
+class ChunkedSolver : public StrandSolver {
+ public:
+  void Points(int i, float* const (&rows)[3]) const final {
+    for (uint32_t lane = 0; lane < lanes_; ++lane) ChunkOf(lane).ReadPoint(i, lane, rows);
+  }
+
+ protected:
+  explicit ChunkedSolver(uint32_t lanes) : lanes_(lanes) {
+    for (uint32_t first = 0; first < lanes_; first += kStrandsPerChunk)
+      chunks_.push_back(std::make_unique<Blocks>());
+  }
+  Blocks& ChunkOf(uint32_t lane) const { return *chunks_[lane / kStrandsPerChunk]; }
+
+  uint32_t lanes_;
+  std::vector<std::unique_ptr<Blocks>> chunks_;
 };
 
 // Runs a kernel on one chunk; find(stream) gives the block of a stream.

@@ -3,7 +3,6 @@
 //
 // The layer has gravity, drag and hardness only: no contact, clump, sleep or strength.
 #include <memory>
-#include <vector>
 
 #include "bench/accuracy/comparison/chunk_rows.hpp"
 #include "bench/accuracy/comparison/comparison.hpp"
@@ -18,14 +17,15 @@ struct Blocks : ChunkRows<kPoints> {
 };
 
 template <uint32_t kPoints>
-class ChunkSolver final : public StrandSolver {
+class ChunkSolver final : public ChunkedSolver<Blocks<kPoints>> {
+  using Base = ChunkedSolver<Blocks<kPoints>>;
+  using Base::ChunkOf, Base::chunks_, Base::lanes_;
+
  public:
   static constexpr int kLinks = kPoints - 1;
 
   ChunkSolver(const KernelDesc& kernel, const CoreSettings& settings, const SolverSetup& setup)
-      : kernel_(kernel), settings_(settings), material_(setup.material), lanes_(setup.lanes) {
-    for (uint32_t first = 0; first < lanes_; first += kStrandsPerChunk)
-      chunks_.push_back(std::make_unique<Blocks<kPoints>>());
+      : Base(setup.lanes), kernel_(kernel), settings_(settings), material_(setup.material) {
     params_ = {};
     SetFrameTime(setup.frame_seconds);
   }
@@ -36,12 +36,12 @@ class ChunkSolver final : public StrandSolver {
     layer.gravity[0] = float(material_.gravity.x);
     layer.gravity[1] = float(material_.gravity.y);
     layer.gravity[2] = float(material_.gravity.z);
-    layer.velocity_keep = float(exact::Exp(-material_.drag * seconds));
-    layer.segment_hardness = 1.0f;
-    layer.angular_middle = Hardness(0, seconds);
-    layer.angular_end = Hardness(kLinks - 1, seconds);
-    layer.stiffness = Hardness(kLinks - 1, seconds);
-    layer.iterations = settings_.iterations;
+    layer.link.velocity_keep = float(exact::Exp(-material_.drag * seconds));
+    layer.link.segment_hardness = 1.0f;
+    layer.link.angular_middle = Hardness(0, seconds);
+    layer.link.angular_end = Hardness(kLinks - 1, seconds);
+    layer.link.stiffness = Hardness(kLinks - 1, seconds);
+    layer.link.iterations = settings_.iterations;
     layer.scale = 1.0f;
     params_.dt = float(seconds);
     // Towards the wind: v <- u + (v - u) keep, as an acceleration.
@@ -67,13 +67,9 @@ class ChunkSolver final : public StrandSolver {
       RunOnChunk(kernel_, params_, [&](Stream stream) { return Find(stream, *c); });
   }
 
-  void Points(int i, float* const (&rows)[3]) const override {
-    for (uint32_t lane = 0; lane < lanes_; ++lane)
-      chunks_[lane / kStrandsPerChunk]->ReadPoint(i, lane, rows);
-  }
   void Velocities(int i, float* const (&rows)[3]) const override {
     for (uint32_t lane = 0; lane < lanes_; ++lane) {
-      const Blocks<kPoints>& c = *chunks_[lane / kStrandsPerChunk];
+      const Blocks<kPoints>& c = ChunkOf(lane);
       const uint32_t at = lane % kStrandsPerChunk;
       for (int k = 0; k < 3; ++k)
         rows[k][lane] =
@@ -89,8 +85,6 @@ class ChunkSolver final : public StrandSolver {
                      (l * l * material_.mass[link]);
     return float(1.0 - exact::Pow(1.0 + a, -1.0 / settings_.iterations));
   }
-  Blocks<kPoints>& ChunkOf(uint32_t lane) { return *chunks_[lane / kStrandsPerChunk]; }
-
   void* Find(Stream stream, Blocks<kPoints>& c) {
     if (stream == StreamOf<&Streams::layers>) return layer_.block;
     void* shared = c.Find(stream);
@@ -100,11 +94,9 @@ class ChunkSolver final : public StrandSolver {
   const KernelDesc& kernel_;
   CoreSettings settings_;
   ChainMaterial material_;
-  uint32_t lanes_;
   float wind_response_ = 0.0f;
   SimulateParams params_;
   Owned<LayerBlock> layer_;
-  std::vector<std::unique_ptr<Blocks<kPoints>>> chunks_;
 };
 
 }  // namespace

@@ -41,23 +41,27 @@ PELT_INLINE Vec3<V> RestTarget(const LaneInput<V, n>& now, int j, Vec3<V> above)
   return Normalize(above + (now.rest[j] - now.rest[j - 1]));
 }
 
-template <class V, int n>
-struct FollowTheLeader {
+// Of methods that know of a substep what holds at its end.
+template <class V, int n, class Method>
+struct ByEnds {
   using Table = PointTable;
   using State = PointState<V, n>;
   using Input = LaneInput<V, n>;
 
   PELT_INLINE static void Step(const Table& t, const Input& next, State& state) {
     OverSubsteps(state.last, next, t.step.substeps,
-                 [&](const Input&, const Input& now) { Substep(t, now, state); });
+                 [&](const Input&, const Input& now) { Method::Substep(t, now, state); });
   }
+};
 
-  PELT_INLINE static Vec3<V> Velocity(const Table&, const State& state, int i) {
+template <class V, int n>
+struct FollowTheLeader : ByEnds<V, n, FollowTheLeader<V, n>> {
+  PELT_INLINE static Vec3<V> Velocity(const PointTable&, const PointState<V, n>& state, int i) {
     return state.rate[i];
   }
 
- private:
-  PELT_INLINE static void Substep(const Table& t, const Input& now, State& state) {
+  PELT_INLINE static void Substep(const PointTable& t, const LaneInput<V, n>& now,
+                                  PointState<V, n>& state) {
     const V h = V(t.step.step);
     const Vec3<V> fall = SplatRow<V>(t.step.gravity) * h, push = now.wind * V(t.step.take);
     Vec3<V> old[n], correction[n], upper = {V(0.0f), V(0.0f), V(0.0f)}, above = upper;
@@ -81,22 +85,13 @@ struct FollowTheLeader {
 };
 
 template <class V, int n>
-struct Pbd {
-  using Table = PointTable;
-  using State = PointState<V, n>;
-  using Input = LaneInput<V, n>;
-
-  PELT_INLINE static void Step(const Table& t, const Input& next, State& state) {
-    OverSubsteps(state.last, next, t.step.substeps,
-                 [&](const Input&, const Input& now) { Substep(t, now, state); });
-  }
-
-  PELT_INLINE static Vec3<V> Velocity(const Table& t, const State& state, int i) {
+struct Pbd : ByEnds<V, n, Pbd<V, n>> {
+  PELT_INLINE static Vec3<V> Velocity(const PointTable& t, const PointState<V, n>& state, int i) {
     return state.rate[i] * V(t.step.step_inverse);
   }
 
- private:
-  PELT_INLINE static void Substep(const Table& t, const Input& now, State& state) {
+  PELT_INLINE static void Substep(const PointTable& t, const LaneInput<V, n>& now,
+                                  PointState<V, n>& state) {
     const V h = V(t.step.step);
     const Vec3<V> forced = SplatRow<V>(t.step.gravity) * (h * h) + now.wind * (V(t.step.take) * h);
     Vec3<V> old[n];
@@ -108,7 +103,9 @@ struct Pbd {
     for (int i = 0; i < n; ++i) state.rate[i] = state.point[i] - old[i];
   }
 
-  PELT_INLINE static void Sweep(const Table& t, const Input& now, Vec3<V> (&point)[n]) {
+ private:
+  PELT_INLINE static void Sweep(const PointTable& t, const LaneInput<V, n>& now,
+                                Vec3<V> (&point)[n]) {
     const V half = V(0.5f);
     Vec3<V> above = now.rest[0];
     for (int j = 0; j < n; ++j) {

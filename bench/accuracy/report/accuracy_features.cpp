@@ -15,7 +15,7 @@ namespace {
 constexpr double kMostPenetration = 0.01;  // of the length
 
 std::string_view NameOf(ModalQuality quality) {
-  return LayerParamRowOf(&LayerParams::quality).words[size_t(quality)];
+  return LayerParamEntryOf(&LayerParams::quality).words[size_t(quality)];
 }
 
 }  // namespace

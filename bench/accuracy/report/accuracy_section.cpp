@@ -89,6 +89,16 @@ class SectionWriter {
     for (const Json& value : list) json_.Add("", Value(value, key));
     json_.EndArray();
   }
+  // An object of each entry, with what `row` writes of it.
+  void Rows(const char* key, const Json& list, const auto& row) {
+    json_.BeginArray(key);
+    for (const Json& entry : list) {
+      json_.BeginObject();
+      row(entry);
+      json_.EndObject();
+    }
+    json_.EndArray();
+  }
 
   void Scene(const Json& file) {
     Text(file, "scene");
@@ -97,9 +107,7 @@ class SectionWriter {
       Number(file, key);
     Flag(file, "contact");
     Texts(file, "notes");
-    json_.BeginArray("rows");
-    for (const Json& row : List(file, "rows")) {
-      json_.BeginObject();
+    Rows("rows", List(file, "rows"), [&](const Json& row) {
       for (const char* key : {"family", "label"}) Text(row, key);
       for (const char* key :
            {"frame_ns", "frame_of_pbd", "simulate_ns", "simulate_of_pbd", "live_share"})
@@ -108,66 +116,39 @@ class SectionWriter {
       for (const char* key :
            {"reference_material", "frame_pareto_optimal", "simulate_pareto_optimal"})
         Flag(row, key);
-      json_.EndObject();
-    }
-    json_.EndArray();
+    });
   }
 
   void Rod(const Json& file) {
-    json_.BeginArray("model_error");
-    for (const Json& panel : List(file, "model_error")) {
-      json_.BeginObject();
+    Rows("model_error", List(file, "model_error"), [&](const Json& panel) {
       Text(panel, "motion");
       Number(panel, "cases");
-      json_.BeginArray("rows");
-      for (const Json& row : List(panel, "rows")) RodRow(row);
-      json_.EndArray();
-      json_.EndObject();
-    }
-    json_.EndArray();
-  }
-  void RodRow(const Json& row) {
-    json_.BeginObject();
-    for (const char* key : {"model", "moved", "family"}) Text(row, key);
-    Flag(row, "pareto_optimal");
-    Number(row, "ns");
-    for (const char* key : {"pooled", "pooled_well_posed"}) NumberOrNull(row, key);
-    json_.BeginArray("presets");
-    for (const Json& preset : List(row, "presets")) {
-      json_.BeginObject();
-      Text(preset, "preset");
-      for (const char* key : {"median", "ninth_tenth"}) NumberOrNull(preset, key);
-      json_.EndObject();
-    }
-    json_.EndArray();
-    json_.EndObject();
+      Rows("rows", List(panel, "rows"), [&](const Json& row) {
+        for (const char* key : {"model", "moved", "family"}) Text(row, key);
+        Flag(row, "pareto_optimal");
+        Number(row, "ns");
+        for (const char* key : {"pooled", "pooled_well_posed"}) NumberOrNull(row, key);
+        Rows("presets", List(row, "presets"), [&](const Json& preset) {
+          Text(preset, "preset");
+          for (const char* key : {"median", "ninth_tenth"}) NumberOrNull(preset, key);
+        });
+      });
+    });
   }
 
   void Shipped(const Json& file) {
-    json_.BeginArray("shipped");
-    for (const Json& panel : List(file, "shipped", 0)) {
-      json_.BeginObject();
+    Rows("shipped", List(file, "shipped", 0), [&](const Json& panel) {
       for (const char* key : {"links", "motions", "strands"}) Number(panel, key);
-      json_.BeginArray("rows");
-      for (const Json& row : List(panel, "rows")) {
-        json_.BeginObject();
+      Rows("rows", List(panel, "rows"), [&](const Json& row) {
         for (const char* key : {"solver", "preset"}) Text(row, key);
         Flag(row, "velocities");
-        json_.BeginArray("scores");
-        for (const Json& score : List(row, "scores")) {
-          json_.BeginObject();
+        Rows("scores", List(row, "scores"), [&](const Json& score) {
           for (const char* key : {"rate", "cases"}) Number(score, key);
           for (const char* key : {"rms", "median", "worst_case"}) NumberOrNull(score, key);
           Flag(score, "finite");
-          json_.EndObject();
-        }
-        json_.EndArray();
-        json_.EndObject();
-      }
-      json_.EndArray();
-      json_.EndObject();
-    }
-    json_.EndArray();
+        });
+      });
+    });
   }
 
   void Solvers(const Json& file) {
@@ -179,37 +160,21 @@ class SectionWriter {
     Flag(file, "calibrated");
     const size_t rates = List(file, "rates").size();
     Numbers(file, "rates", rates);
-    json_.BeginArray("panels");
-    for (const Json& panel : List(file, "panels")) Panel(panel, rates);
-    json_.EndArray();
-  }
-
-  void Panel(const Json& panel, size_t rates) {
-    json_.BeginObject();
-    Number(panel, "links");
-    Text(panel, "preset");
-    Numbers(panel, "input_errors", rates);
-    json_.BeginArray("rows");
-    for (const Json& row : List(panel, "rows")) {
-      json_.BeginObject();
-      Text(row, "family");
-      Text(row, "label");
-      Number(row, "ns");
-      Number(row, "of_pbd");
-      const Json& scores = List(row, "scores");
-      if (scores.size() != rates) Fail("'scores' has not one entry for each rate");
-      json_.BeginArray("scores");
-      for (const Json& score : scores) {
-        json_.BeginObject();
-        for (const char* key : {"error", "stretch"}) NumberOrNull(score, key);
-        for (const char* key : {"finite", "pareto_optimal"}) Flag(score, key);
-        json_.EndObject();
-      }
-      json_.EndArray();
-      json_.EndObject();
-    }
-    json_.EndArray();
-    json_.EndObject();
+    Rows("panels", List(file, "panels"), [&](const Json& panel) {
+      Number(panel, "links");
+      Text(panel, "preset");
+      Numbers(panel, "input_errors", rates);
+      Rows("rows", List(panel, "rows"), [&](const Json& row) {
+        for (const char* key : {"family", "label"}) Text(row, key);
+        for (const char* key : {"ns", "of_pbd"}) Number(row, key);
+        const Json& scores = List(row, "scores");
+        if (scores.size() != rates) Fail("'scores' has not one entry for each rate");
+        Rows("scores", scores, [&](const Json& score) {
+          for (const char* key : {"error", "stretch"}) NumberOrNull(score, key);
+          for (const char* key : {"finite", "pareto_optimal"}) Flag(score, key);
+        });
+      });
+    });
   }
 
   JsonText& json_;

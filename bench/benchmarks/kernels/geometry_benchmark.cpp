@@ -291,7 +291,7 @@ void FillShells(Scene& scene) {
   using V = ArrayVec<4>;
   scene.layer.flags = kLayerSimulate | kLayerWind;
   scene.layer.gravity[1] = -9.81f;
-  scene.layer.stiffness = 0.5f;
+  scene.layer.link.stiffness = 0.5f;
   scene.layer.darken = 1.0f;
   scene.shell_layer.cone = 0.2f;
   for (uint32_t c = 0; c < kChunks; ++c) {

@@ -221,16 +221,16 @@ LayerBlock MakeLayer(bool clump, uint32_t iterations) {
   LayerBlock layer{};
   layer.flags = kLayerEnabled | kLayerSimulate | (clump ? uint32_t(kLayerClump) : 0u);
   layer.gravity[1] = -9.81f;
-  layer.velocity_keep = 0.95f;
-  layer.segment_hardness = 1.0f;
-  layer.angular_middle = 0.2f;
-  layer.angular_end = 0.1f;
+  layer.link.velocity_keep = 0.95f;
+  layer.link.segment_hardness = 1.0f;
+  layer.link.angular_middle = 0.2f;
+  layer.link.angular_end = 0.1f;
   layer.surface_hardness = 0.5f;
-  layer.stiffness = 0.1f;
+  layer.link.stiffness = 0.1f;
   layer.clump = 0.5f;
   layer.scale = 1.0f;
   layer.darken = 1.0f;
-  layer.iterations = iterations;
+  layer.link.iterations = iterations;
   return layer;
 }
 
