@@ -6,10 +6,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "bench/accuracy/curve_motion.hpp"
-#include "bench/scenarios/scenarios.hpp"
-#include "core/character/pose.hpp"
-#include "core/groom/bake.hpp"
-#include "jobs/frame.hpp"
+#include "tests/jobs/tiny_scene.hpp"
 
 namespace pelt::accuracy {
 namespace {
@@ -21,7 +18,7 @@ Double3 At(const Rows& rows, uint32_t lane) {
 
 // `tiny` without anything that moves or touches, its modal layers alone enabled.
 Scenario StillScenario(const std::function<void(LayerSetup&)>& change) {
-  Scenario scenario = LoadScenario("tiny");
+  Scenario scenario = testing::TinyScenario();
   FurSetup setup = LoadSetup("tiny");
   for (LayerSetup& layer : setup.layers) {
     layer.params.enabled = layer.params.solver == Solver::kModal;
@@ -29,10 +26,7 @@ Scenario StillScenario(const std::function<void(LayerSetup&)>& change) {
     layer.params.clump = layer.params.wet_clump = 0.0f;
     if (layer.params.enabled) change(layer);
   }
-  const Actor& actor = scenario.actors[0];
-  const Character& character = scenario.characters[actor.character];
-  scenario.grooms[actor.groom] = BakeGroom(
-      character, ComputeRestGeometry(character, actor.unit_scale), setup, actor.unit_scale);
+  scenario.grooms[scenario.actors[0].groom] = testing::BakeForActor(scenario, setup);
   scenario.actors[0].clip = -1;
   scenario.actors[0].teleport_frame = -1;
   scenario.spheres.clear();
@@ -46,10 +40,7 @@ Scenario StillScenario(const std::function<void(LayerSetup&)>& change) {
 void RunFrames(RunningScenario& run, uint32_t first, uint32_t count) {
   SkipSettings skip;
   skip.cull = skip.lod = false;
-  for (uint32_t f = first; f < first + count; ++f) {
-    run.Begin(f, skip, {});
-    ASSERT_EQ(SerialExecutor().Run(run.scene().CurrentFrame()), nullptr);
-  }
+  for (uint32_t f = first; f < first + count; ++f) testing::RunFrame(run, f, skip, {});
 }
 
 // ---- Curl --------------------------------------------------------------------------------------

@@ -12,7 +12,7 @@
 #include "core/character/pose.hpp"
 #include "core/groom/bake.hpp"
 #include "core/groom/groom_file.hpp"
-#include "core/modal/quality_on_screen.hpp"
+#include "core/modal/modal_quality.hpp"
 
 namespace pelt::accuracy {
 namespace {

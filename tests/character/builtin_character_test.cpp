@@ -12,7 +12,7 @@
 #include "core/random.hpp"
 #include "tests/character/whole_character.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
 
 uint64_t DigestOf(const std::vector<std::byte>& bytes) {
@@ -29,45 +29,41 @@ TEST(BuiltinCharacter, BytesAreFixed) {
             16880319888632814622ull);
 }
 
+// And stands in the middle, on the ground. Its lowest and its highest corner.
+std::pair<glm::vec3, glm::vec3> ExpectNeedsNoRepair(const Character& c) {
+  ExpectWhole(c);
+  ExpectRestAgrees(c, 1.0f);
+  EXPECT_TRUE(c.notes.empty()) << c.notes[0];
+  EXPECT_EQ(DefaultUnitScale(c).metres_per_unit, 1.0f);
+  glm::vec3 low(1e9f), high(-1e9f);
+  for (const glm::vec3& p : c.mesh.position) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+  EXPECT_NEAR(low.y, 0.0f, 0.02f);
+  EXPECT_NEAR(low.x, -high.x, 0.01f);
+  return {low, high};
+}
+
 TEST(BuiltinCharacter, IsWholeAndNeedsNoRepair) {
   const Character c = MakeBuiltinCharacter({});
-  test::ExpectWhole(c);
-  test::ExpectRestAgrees(c, 1.0f);
-  EXPECT_TRUE(c.notes.empty()) << c.notes[0];
+  const auto [low, high] = ExpectNeedsNoRepair(c);
   EXPECT_EQ(c.skeleton.name.size(), 24u);
   EXPECT_EQ(c.mesh.materials,
             (std::vector<std::string>{"head", "brow", "body", "arm", "leg", "tail", "eye"}));
   EXPECT_GT(c.mesh.position.size(), 3000u);
   EXPECT_LT(c.mesh.position.size(), 6000u);
   EXPECT_FALSE(c.mesh.uv.empty());
-  EXPECT_EQ(DefaultUnitScale(c).metres_per_unit, 1.0f);
-  glm::vec3 low(1e9f), high(-1e9f);
-  for (const glm::vec3& p : c.mesh.position) {
-    low = glm::min(low, p);
-    high = glm::max(high, p);
-  }
-  EXPECT_NEAR(low.y, 0.0f, 0.02f);
   EXPECT_NEAR(high.y, 1.2f, 0.05f);
-  EXPECT_NEAR(low.x, -high.x, 0.01f);
 }
 
 TEST(BuiltinCharacter, ScorpionIsWholeAndNeedsNoRepair) {
   const Character c = MakeBuiltinCharacter({.body = BuiltinBody::kScorpion});
-  test::ExpectWhole(c);
-  test::ExpectRestAgrees(c, 1.0f);
-  EXPECT_TRUE(c.notes.empty()) << c.notes[0];
+  const auto [low, high] = ExpectNeedsNoRepair(c);
   EXPECT_EQ(c.name, "scorpion");
   EXPECT_EQ(c.skeleton.name.size(), 34u);
   EXPECT_EQ(c.mesh.materials,
             (std::vector<std::string>{"head", "body", "tail", "sting", "claw", "leg", "eye"}));
-  EXPECT_EQ(DefaultUnitScale(c).metres_per_unit, 1.0f);
-  glm::vec3 low(1e9f), high(-1e9f);
-  for (const glm::vec3& p : c.mesh.position) {
-    low = glm::min(low, p);
-    high = glm::max(high, p);
-  }
-  EXPECT_NEAR(low.y, 0.0f, 0.02f);
-  EXPECT_NEAR(low.x, -high.x, 0.01f);
   EXPECT_NEAR(high.z - low.z, 1.25f, 0.1f);
 }
 
@@ -103,8 +99,8 @@ TEST(BuiltinCharacter, SurfaceIsClosedAndFacesOut) {
 TEST(BuiltinCharacter, TinyIsTiny) {
   for (uint64_t seed = 0; seed < 6; ++seed) {
     const Character c = MakeBuiltinCharacter({.seed = seed, .tiny = true});
-    test::ExpectWhole(c);
-    test::ExpectRestAgrees(c, 1.0f);
+    ExpectWhole(c);
+    ExpectRestAgrees(c, 1.0f);
     EXPECT_LE(c.mesh.position.size(), 200u);
     EXPECT_GE(c.mesh.position.size(), 100u);
     EXPECT_EQ(c.clips.size(), 4u);
@@ -117,7 +113,7 @@ TEST(BuiltinCharacter, CastOfSeventeenDiffers) {
     const std::vector<std::byte> glb = MakeBuiltinCharacterGlb({.seed = seed, .detail = 0.6f});
     digests.insert(DigestOf(glb));
     const Character c = ImportGltf(glb, "cast");
-    test::ExpectWhole(c);
+    ExpectWhole(c);
     EXPECT_EQ(c.mesh.materials.size(), 7u) << seed;
     EXPECT_EQ(DefaultUnitScale(c).metres_per_unit, 1.0f) << seed;
   }
@@ -136,8 +132,8 @@ struct Player {
   SkeletonBlock skeleton = MakeSkeletonBlock(character.skeleton);
   std::vector<glm::dvec3> At(const char* clip, double t, bool loop) const {
     const Clip* found = FindClip(character, clip);
-    return test::SkinPositions(
-        character.mesh, MakePose(character.skeleton, found, t, loop, glm::mat4(1.0f)), skeleton);
+    return SkinPositions(character.mesh,
+                         MakePose(character.skeleton, found, t, loop, glm::mat4(1.0f)), skeleton);
   }
   static double Apart(const std::vector<glm::dvec3>& a, const std::vector<glm::dvec3>& b) {
     double most = 0.0;
@@ -191,4 +187,4 @@ TEST(BuiltinCharacter, GreetWavesOnAndOn) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

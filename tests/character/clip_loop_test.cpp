@@ -6,12 +6,12 @@
 #include "tests/character/gltf_builder.hpp"
 #include "tests/character/shared_files.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
 
 // The base goes through `places` along x, evenly in a second.
 Character Moving(const std::vector<float>& places) {
-  test::GltfBuilder b = test::MakeQuad();
+  GltfBuilder b = MakeQuad();
   std::vector<float> times, values;
   for (size_t k = 0; k < places.size(); ++k) {
     times.push_back(float(k) / float(places.size() - 1));
@@ -50,8 +50,8 @@ TEST(ClipLoop, OfTheBuiltInClipsIdleJumps) {
 }
 
 TEST(ClipLoop, RealFiles) {
-  const std::string fox = test::FindShared("Fox.glb");
-  const std::string root = test::FindShared("27_root_motion_loop.glb", "cases/characters");
+  const std::string fox = FindShared("Fox.glb");
+  const std::string root = FindShared("27_root_motion_loop.glb", "cases/characters");
   if (fox.empty() || root.empty()) GTEST_SKIP() << "files are not there (set PELT_SHARED)";
   const Character standing = ImportGltfFile(fox), walking = ImportGltfFile(root);
   for (const Clip& clip : standing.clips)
@@ -60,4 +60,4 @@ TEST(ClipLoop, RealFiles) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

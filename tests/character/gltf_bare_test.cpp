@@ -8,10 +8,8 @@
 #include "core/groom/setup_names.hpp"
 #include "tests/character/gltf_builder.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
-
-using test::GltfBuilder;
 
 TEST(BareNames, AreFoundByTheirWords) {
   for (const char* name :
@@ -35,7 +33,7 @@ TEST(BareNames, AreFoundByTheirWords) {
 Character TwoQuads(const std::string& materials, const std::string& second_mesh,
                    const std::string& second_node = "body2", int second_material = 1,
                    float size = 0.4f, const std::string& more = "") {
-  GltfBuilder b = test::MakeQuad();
+  GltfBuilder b = MakeQuad();
   const std::string primitive = "{\"attributes\":{" + b.attributes + "}" + b.primitive_more;
   const int small = b.Floats("VEC3", {0, 0, 0, size, 0, 0, size, size, 0, 0, size, 0});
   std::string second = primitive;
@@ -140,4 +138,4 @@ TEST(BareMaterials, GrowFurOnlyWhereALayerNamesThem) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

@@ -3,23 +3,20 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
 
 #include "core/character/gltf_import.hpp"
 #include "tests/character/gltf_builder.hpp"
 #include "tests/error_from.hpp"
+#include "tests/test_folder.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
-
-using test::GltfBuilder;
-using test::MakeQuad;
 
 Character ImportText(const std::string& text) {
   return ImportGltf(std::as_bytes(std::span(text)), "quad");
 }
 std::string ErrorOf(const std::string& text) {
-  return test::ErrorFrom([&] { ImportText(text); });
+  return ErrorFrom([&] { ImportText(text); });
 }
 
 TEST(GltfContainer, DataUrisOfEveryKind) {
@@ -29,13 +26,13 @@ TEST(GltfContainer, DataUrisOfEveryKind) {
     constexpr const char* kHex = "0123456789abcdef";
     percent += std::string("%") + kHex[byte >> 4] + kHex[byte & 15];
   }
-  const std::string base64 = test::Base64(b.binary);
+  const std::string base64 = Base64(b.binary);
   std::string broken = base64;
   for (size_t i = 64; i < broken.size(); i += 66) broken.insert(i, "\\r\\n");
   for (const std::string& uri :
        {"data:;base64," + base64, "data:application/octet-stream;base64," + base64,
         "data:model/x-anything;charset=utf-8;base64," + base64, "DATA:;BASE64," + base64,
-        "data:application/gltf-buffer;base64," + test::Base64(b.binary, "-_"),
+        "data:application/gltf-buffer;base64," + Base64(b.binary, "-_"),
         "data:;base64," + base64.substr(0, base64.find('=')), "data:;base64," + broken,
         "data:application/octet-stream," + percent}) {
     EXPECT_EQ(ImportText(b.Json(true, uri)).mesh.triangles.size(), 2u) << uri.substr(0, 60);
@@ -50,9 +47,7 @@ TEST(GltfContainer, DataUrisOfEveryKind) {
 }
 
 TEST(GltfContainer, BufferNamesMayBeEncoded) {
-  const std::filesystem::path folder =
-      std::filesystem::path(testing::TempDir()) / "pelt_gltf_container_test";
-  std::filesystem::create_directories(folder / "a b");
+  const TestFolder folder;
   const GltfBuilder b = MakeQuad();
   for (const auto& [uri, file] :
        std::vector<std::pair<std::string, std::string>>{{"a%20b/my%20quad.bin", "a b/my quad.bin"},
@@ -60,24 +55,21 @@ TEST(GltfContainer, BufferNamesMayBeEncoded) {
                                                         {"./100%25.bin", "100%.bin"},
                                                         {"100%.bin", "100%.bin"},
                                                         {"caf%C3%A9.bin", "caf\xc3\xa9.bin"}}) {
-    std::ofstream(folder / "quad.gltf", std::ios::binary) << b.Json(true, uri);
-    std::ofstream(folder / file, std::ios::binary)
-        .write(reinterpret_cast<const char*>(b.binary.data()), std::streamsize(b.binary.size()));
-    EXPECT_EQ(ImportGltfFile((folder / "quad.gltf").string()).mesh.triangles.size(), 2u) << uri;
-    std::filesystem::remove(folder / file);
+    const std::string gltf = folder.Save("quad.gltf", b.Json(true, uri));
+    const std::string beside = folder.Save(file, b.binary);
+    EXPECT_EQ(ImportGltfFile(gltf).mesh.triangles.size(), 2u) << uri;
+    std::filesystem::remove(beside);
   }
   for (const auto& [uri, why] : std::vector<std::pair<std::string, std::string>>{
            {"..%2fquad.bin", "not below the file's folder"},
            {"../quad.bin", "not below the file's folder"},
            {"%2fetc%2fpasswd", "not below the file's folder"},
            {"pointer.bin", "a Git LFS pointer"}}) {
-    std::ofstream(folder / "pointer.bin") << "version https://git-lfs.github.com/spec/v1\noid x\n";
-    std::ofstream(folder / "quad.gltf", std::ios::binary) << b.Json(true, uri);
-    const std::string error =
-        test::ErrorFrom([&] { ImportGltfFile((folder / "quad.gltf").string()); });
+    folder.Save("pointer.bin", "version https://git-lfs.github.com/spec/v1\noid x\n");
+    const std::string gltf = folder.Save("quad.gltf", b.Json(true, uri));
+    const std::string error = ErrorFrom([&] { ImportGltfFile(gltf); });
     EXPECT_NE(error.find(why), std::string::npos) << uri << ": " << error;
   }
-  std::filesystem::remove_all(folder);
 }
 
 // What is no glTF is named for what it is.
@@ -112,7 +104,7 @@ TEST(GltfContainer, Lookalikes) {
   }
   // A byte order mark, and text that is not UTF-8, are no reason to refuse one.
   const GltfBuilder b = MakeQuad();
-  const std::string json = b.Json(true, "data:;base64," + test::Base64(b.binary));
+  const std::string json = b.Json(true, "data:;base64," + Base64(b.binary));
   EXPECT_EQ(ImportText("\xef\xbb\xbf" + json).mesh.triangles.size(), 2u);
   std::string latin = json;
   latin.replace(latin.find("base"), 4, "b\xe9se");
@@ -143,4 +135,4 @@ TEST(GltfContainer, GlbFrames) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

@@ -8,16 +8,8 @@
 #include "core/error.hpp"
 #include "tests/character/gltf_builder.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
-
-using test::GltfBuilder;
-using test::kF32;
-using test::kU16;
-using test::kU32;
-using test::kU8;
-using test::MakeQuad;
-using test::QuadParts;
 
 void ExpectError(const std::vector<std::byte>& bytes, const std::vector<std::string>& parts) {
   try {
@@ -154,27 +146,25 @@ TEST(GltfErrors, Accessors) {
   ExpectError(
       with("POSITION", [](GltfBuilder& b) { return b.Floats("VEC4", std::vector<float>(16, 0)); }),
       {place + "POSITION", "not VEC3"});
-  ExpectError(with("POSITION",
-                   [](GltfBuilder& b) {
-                     return b.Accessor(b.View(test::kQuadPositions), 5130, 4, "VEC3");
-                   }),
-              {place + "POSITION", "5130"});
+  ExpectError(
+      with("POSITION",
+           [](GltfBuilder& b) { return b.Accessor(b.View(kQuadPositions), 5130, 4, "VEC3"); }),
+      {place + "POSITION", "5130"});
   ExpectError(with("WEIGHTS_0",
                    [](GltfBuilder& b) { return b.Floats("VEC4", std::vector<float>(12, 0.5f)); }),
               {place + "WEIGHTS_0", "has 3 elements", "POSITION has 4"});
+  ExpectError(
+      with("POSITION",
+           [](GltfBuilder& b) { return b.Accessor(b.View(kQuadPositions), kF32, 5, "VEC3"); }),
+      {place + "POSITION", "5 elements", "past the end"});
   ExpectError(with("POSITION",
                    [](GltfBuilder& b) {
-                     return b.Accessor(b.View(test::kQuadPositions), kF32, 5, "VEC3");
-                   }),
-              {place + "POSITION", "5 elements", "past the end"});
-  ExpectError(with("POSITION",
-                   [](GltfBuilder& b) {
-                     return b.Accessor(b.View(test::kQuadPositions), kF32, 1ull << 62, "VEC3");
+                     return b.Accessor(b.View(kQuadPositions), kF32, 1ull << 62, "VEC3");
                    }),
               {place + "POSITION", "past the end"});
   ExpectError(with("POSITION",
                    [](GltfBuilder& b) {
-                     return b.Accessor(b.View(test::kQuadPositions), kF32, 4, "VEC3",
+                     return b.Accessor(b.View(kQuadPositions), kF32, 4, "VEC3",
                                        ",\"byteOffset\":18446744073709551600");
                    }),
               {place + "POSITION", "past the end"});
@@ -183,11 +173,10 @@ TEST(GltfErrors, Accessors) {
       {place + "POSITION", "no data"});
   ExpectError(with("POSITION", [](GltfBuilder& b) { return b.Accessor(77, kF32, 4, "VEC3"); }),
               {place + "POSITION", "bufferView 77"});
-  ExpectError(with("POSITION",
-                   [](GltfBuilder& b) {
-                     return b.Accessor(b.View(test::kQuadPositions, 4), kF32, 4, "VEC3");
-                   }),
-              {place + "POSITION", "byteStride 4"});
+  ExpectError(
+      with("POSITION",
+           [](GltfBuilder& b) { return b.Accessor(b.View(kQuadPositions, 4), kF32, 4, "VEC3"); }),
+      {place + "POSITION", "byteStride 4"});
 }
 
 TEST(GltfErrors, BufferViewsOutsideTheirBuffer) {
@@ -208,7 +197,7 @@ TEST(GltfErrors, BufferViewsOutsideTheirBuffer) {
 TEST(GltfErrors, Sparse) {
   auto with = [](const std::vector<uint16_t>& index, int count, int component = 5123) {
     GltfBuilder b = MakeQuad({.position = false});
-    const int base = b.View(test::kQuadPositions);
+    const int base = b.View(kQuadPositions);
     const int indices = b.View(index);
     const int values = b.View(std::vector<float>{1, 0, 0});
     b.Attribute("POSITION",
@@ -231,7 +220,7 @@ TEST(GltfErrors, NotFinite) {
   for (float bad :
        {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
     GltfBuilder position = MakeQuad({.position = false});
-    std::vector<float> p = test::kQuadPositions;
+    std::vector<float> p = kQuadPositions;
     p[7] = bad;
     position.Attribute("POSITION", position.Floats("VEC3", p));
     ExpectError(position, {"attribute POSITION", "element 2", "finite"});
@@ -374,4 +363,4 @@ TEST(GltfErrors, NoSuchFile) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

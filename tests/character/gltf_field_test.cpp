@@ -13,16 +13,8 @@
 #include "tests/character/whole_character.hpp"
 #include "tests/error_from.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
-
-using test::GltfBuilder;
-using test::kF32;
-using test::kI16;
-using test::kU16;
-using test::kU32;
-using test::kU8;
-using test::MakeQuad;
 
 std::string Join(const std::vector<std::string>& notes) {
   std::string all;
@@ -121,9 +113,9 @@ const std::string kMoveTip = R"({"sampler":0,"target":{"node":1,"path":"translat
 
 struct Case {
   const char* name;
-  GltfBuilder builder;
   size_t triangles;
   const char* note;  // empty: none of it
+  GltfBuilder builder;
   size_t clips = 0;
   size_t joints = 2;
 };
@@ -131,143 +123,123 @@ struct Case {
 std::vector<Case> Cases() {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   std::vector<Case> cases = {
-      {"Strip", WithIndices({0, 1, 3, 2}, 5), 2, ""},
-      {"StripThatTurnsBack", WithIndices({0, 1, 3, 3, 2, 2, 1, 3}, 5), 2, ""},
-      {"StripThatBeginsAnew", WithIndices({0, 1, 3, 0xffff, 1, 2, 3}, 5), 2, ""},
-      {"ListThatBeginsAnew", WithIndices({0, 1, 2, 0xffff, 0, 2, 3}, 4), 2, ""},
-      {"Fan", WithIndices({0, 1, 2, 3}, 6), 2, ""},
-      {"FanTooShort", WithIndices({0, 1}, 6), 0, ""},
-      {"CornersLeftOver", WithIndices({0, 1, 2, 0, 2, 3, 1}, 4), 2, "1 corners were left over"},
-      {"VertexThatIsNot", WithIndices({0, 1, 2, 0, 2, 3, 1, 2, 9}, 4), 2,
-       "1 triangles had vertices that do not exist"},
-      {"LinesBeside", WithBeside(",\"mode\":1"), 2, "1 primitives of points or lines"},
-      {"LineStripBeside", WithBeside(",\"mode\":3"), 2, "1 primitives of points or lines"},
-      {"PointsBeside", WithBeside(",\"mode\":0"), 2, "1 primitives of points or lines"},
-      {"ModeThatIsNot", WithBeside(",\"mode\":9"), 2, "mode 9 is none; the primitive was left out"},
-      {"IndicesThatAreNot", WithBeside(",\"indices\":99"), 2, "accessor 99 does not exist"},
-      {"MaterialThatIsNot", WithBeside(",\"indices\":3,\"material\":7"), 4,
-       "1 primitives name a material that is not there"},
-      {"NoJointsAndNoHolder", WithoutJoints(false), 2, "hangs on no joint; the primitive was left"},
-      {"NoJointsOnTheTip", WithoutJoints(true), 4, "1 primitives have no joints"},
-      {"ChildThatIsNot",
-       WithNodes(R"({"children":[1,99]},{"translation":[0,1,0]},{"mesh":0,"skin":0})"), 2,
-       "1 children of nodes do not exist"},
-      {"TwoParents",
-       WithNodes(R"({"children":[1]},{"translation":[0,1,0]},{"children":[1],"mesh":0,"skin":0})"),
-       2, "1 nodes have two parents"},
-      {"OwnAncestor",
-       WithNodes(R"({"children":[1]},{"children":[0],"translation":[0,1,0]},{"mesh":0,"skin":0})"),
-       2, "is its own ancestor"},
-      {"BrokenNodesBeside",
+      {"Strip", 2, "", WithIndices({0, 1, 3, 2}, 5)},
+      {"StripThatTurnsBack", 2, "", WithIndices({0, 1, 3, 3, 2, 2, 1, 3}, 5)},
+      {"StripThatBeginsAnew", 2, "", WithIndices({0, 1, 3, 0xffff, 1, 2, 3}, 5)},
+      {"ListThatBeginsAnew", 2, "", WithIndices({0, 1, 2, 0xffff, 0, 2, 3}, 4)},
+      {"Fan", 2, "", WithIndices({0, 1, 2, 3}, 6)},
+      {"FanTooShort", 0, "", WithIndices({0, 1}, 6)},
+      {"CornersLeftOver", 2, "1 corners were left over", WithIndices({0, 1, 2, 0, 2, 3, 1}, 4)},
+      {"VertexThatIsNot", 2, "1 triangles had vertices that do not exist",
+       WithIndices({0, 1, 2, 0, 2, 3, 1, 2, 9}, 4)},
+      {"LinesBeside", 2, "1 primitives of points or lines", WithBeside(",\"mode\":1")},
+      {"LineStripBeside", 2, "1 primitives of points or lines", WithBeside(",\"mode\":3")},
+      {"PointsBeside", 2, "1 primitives of points or lines", WithBeside(",\"mode\":0")},
+      {"ModeThatIsNot", 2, "mode 9 is none; the primitive was left out", WithBeside(",\"mode\":9")},
+      {"IndicesThatAreNot", 2, "accessor 99 does not exist", WithBeside(",\"indices\":99")},
+      {"MaterialThatIsNot", 4, "1 primitives name a material that is not there",
+       WithBeside(",\"indices\":3,\"material\":7")},
+      {"NoJointsAndNoHolder", 2, "hangs on no joint; the primitive was left", WithoutJoints(false)},
+      {"NoJointsOnTheTip", 4, "1 primitives have no joints", WithoutJoints(true)},
+      {"ChildThatIsNot", 2, "1 children of nodes do not exist",
+       WithNodes(R"({"children":[1,99]},{"translation":[0,1,0]},{"mesh":0,"skin":0})")},
+      {"TwoParents", 2, "1 nodes have two parents",
+       WithNodes(R"({"children":[1]},{"translation":[0,1,0]},{"children":[1],"mesh":0,"skin":0})")},
+      {"OwnAncestor", 2, "is its own ancestor",
+       WithNodes(R"({"children":[1]},{"children":[0],"translation":[0,1,0]},{"mesh":0,"skin":0})")},
+      {"BrokenNodesBeside", 2, "mesh 5 does not exist",
        WithNodes(R"({"children":[1]},{"translation":[0,1,0]},{"mesh":0,"skin":0},)"
-                 R"({"mesh":5,"skin":0},{"mesh":0,"skin":5},{"mesh":"x"},{"rotation":"x"})"),
-       2, "mesh 5 does not exist"},
-      {"RotationZero",
+                 R"({"mesh":5,"skin":0},{"mesh":0,"skin":5},{"mesh":"x"},{"rotation":"x"})")},
+      {"RotationZero", 2, "rotation is zero",
        WithNodes(
-           R"({"children":[1],"rotation":[0,0,0,0]},{"translation":[0,1,0]},{"mesh":0,"skin":0})"),
-       2, "rotation is zero"},
-      {"RotationShort",
+           R"({"children":[1],"rotation":[0,0,0,0]},{"translation":[0,1,0]},{"mesh":0,"skin":0})")},
+      {"RotationShort", 2, "rotation is not 4 numbers",
        WithNodes(
-           R"({"children":[1],"rotation":[0,0,1]},{"translation":[0,1,0]},{"mesh":0,"skin":0})"),
-       2, "rotation is not 4 numbers"},
-      {"TranslationFarOut",
-       WithNodes(R"({"children":[1]},{"translation":[1e300,1,0]},{"mesh":0,"skin":0})"), 2,
-       "translation is not 3 numbers below 1e30"},
-      {"MatrixOfZeros",
+           R"({"children":[1],"rotation":[0,0,1]},{"translation":[0,1,0]},{"mesh":0,"skin":0})")},
+      {"TranslationFarOut", 2, "translation is not 3 numbers below 1e30",
+       WithNodes(R"({"children":[1]},{"translation":[1e300,1,0]},{"mesh":0,"skin":0})")},
+      {"MatrixOfZeros", 2, "",
        WithNodes(R"({"children":[1]},{"matrix":[0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,1]},)"
-                 R"({"mesh":0,"skin":0})"),
-       2, ""},
-      {"MatrixFlat",
+                 R"({"mesh":0,"skin":0})")},
+      {"MatrixFlat", 2, "",
        WithNodes(R"({"children":[1]},{"matrix":[1,0,0,0,0,1,0,0,0,0,0,0,0,1,0,1]},)"
-                 R"({"mesh":0,"skin":0})"),
-       2, ""},
-      {"OtherScene", WithSecond("", R"(,"scene":0,"scenes":[{"nodes":[0,2]},{"nodes":[3]}])"), 2,
-       "1 mesh nodes outside of it were left out"},
-      {"SecondSceneIsActive",
-       WithSecond("", R"(,"scene":1,"scenes":[{"nodes":[0]},{"nodes":[0,2,3]}])"), 4, ""},
-      {"FirstSceneIsActive", WithSecond("", R"(,"scenes":[{"nodes":[0,2]},{"nodes":[3]}])"), 2,
-       "scene 0 was read"},
-      {"SceneThatIsNot", WithSecond("", R"(,"scene":8,"scenes":[{"nodes":[0,2,3,77]}])"), 4, ""},
-      {"ActiveSceneHasNoSkin",
-       WithSecond("", R"(,"scene":0,"scenes":[{"nodes":[0]},{"nodes":[2]}])"), 2,
-       "scene 1 was read: the active one has no skinned mesh"},
-      {"NoSceneHasASkin", WithSecond("", R"(,"scenes":[{"nodes":[0]}])"), 4,
-       "No scene has a skinned mesh"},
-      {"JointsOutsideTheScene", WithSecond("", R"(,"scene":0,"scenes":[{"nodes":[2,3]}])"), 4, ""},
-      {"StandInFarAway", WithSecond(R"(,"extensions":{"MSFT_lod":{"ids":[3]}})", ""), 2,
-       "1 mesh nodes are hidden, or stand-ins"},
-      {"StandInInTheScene",
+                 R"({"mesh":0,"skin":0})")},
+      {"OtherScene", 2, "1 mesh nodes outside of it were left out",
+       WithSecond("", R"(,"scene":0,"scenes":[{"nodes":[0,2]},{"nodes":[3]}])")},
+      {"SecondSceneIsActive", 4, "",
+       WithSecond("", R"(,"scene":1,"scenes":[{"nodes":[0]},{"nodes":[0,2,3]}])")},
+      {"FirstSceneIsActive", 2, "scene 0 was read",
+       WithSecond("", R"(,"scenes":[{"nodes":[0,2]},{"nodes":[3]}])")},
+      {"SceneThatIsNot", 4, "", WithSecond("", R"(,"scene":8,"scenes":[{"nodes":[0,2,3,77]}])")},
+      {"ActiveSceneHasNoSkin", 2, "scene 1 was read: the active one has no skinned mesh",
+       WithSecond("", R"(,"scene":0,"scenes":[{"nodes":[0]},{"nodes":[2]}])")},
+      {"NoSceneHasASkin", 4, "No scene has a skinned mesh",
+       WithSecond("", R"(,"scenes":[{"nodes":[0]}])")},
+      {"JointsOutsideTheScene", 4, "", WithSecond("", R"(,"scene":0,"scenes":[{"nodes":[2,3]}])")},
+      {"StandInFarAway", 2, "1 mesh nodes are hidden, or stand-ins",
+       WithSecond(R"(,"extensions":{"MSFT_lod":{"ids":[3]}})", "")},
+      {"StandInInTheScene", 2, "1 mesh nodes are hidden, or stand-ins",
        WithSecond(R"(,"extensions":{"MSFT_lod":{"ids":[3,2,99]}})",
-                  R"(,"scenes":[{"nodes":[0,2,3]}])"),
-       2, "1 mesh nodes are hidden, or stand-ins"},
-      {"Hidden", WithSecond(R"(,"extensions":{"KHR_node_visibility":{"visible":false}})", ""), 2,
-       "1 mesh nodes are hidden"},
-      {"MeshWithoutSkinBeside", WithSecond("", R"(,"scenes":[{"nodes":[0,2]}])"), 2, ""},
-      {"ChannelWithoutNode",
-       WithClips(kMoveTip + R"(,{"sampler":0,"target":{"path":"rotation"}})", {"go"}), 2,
-       "1 channels move no joint", 1},
-      {"ChannelOfNodeThatIsNot",
-       WithClips(kMoveTip + R"(,{"sampler":0,"target":{"node":99,"path":"scale"}})", {"go"}), 2,
-       "1 channels move no joint", 1},
-      {"ChannelOfPointer",
+                  R"(,"scenes":[{"nodes":[0,2,3]}])")},
+      {"Hidden", 2, "1 mesh nodes are hidden",
+       WithSecond(R"(,"extensions":{"KHR_node_visibility":{"visible":false}})", "")},
+      {"MeshWithoutSkinBeside", 2, "", WithSecond("", R"(,"scenes":[{"nodes":[0,2]}])")},
+      {"ChannelWithoutNode", 2, "1 channels move no joint",
+       WithClips(kMoveTip + R"(,{"sampler":0,"target":{"path":"rotation"}})", {"go"}), 1},
+      {"ChannelOfNodeThatIsNot", 2, "1 channels move no joint",
+       WithClips(kMoveTip + R"(,{"sampler":0,"target":{"node":99,"path":"scale"}})", {"go"}), 1},
+      {"ChannelOfPointer", 2, "1 channels move no joint",
        WithClips(kMoveTip + R"(,{"sampler":9,"target":{"path":"pointer","extensions":)"
                             R"({"KHR_animation_pointer":{"pointer":"/materials/0"}}}})",
                  {"go"}),
-       2, "1 channels move no joint", 1},
-      {"ChannelOfWeights",
-       WithClips(kMoveTip + R"(,{"sampler":0,"target":{"node":2,"path":"weights"}})", {"go"}), 2,
-       "1 channels move no joint", 1},
-      {"ChannelWithoutTarget", WithClips(kMoveTip + R"(,{"sampler":0})", {"go"}), 2,
-       "1 channels move no joint", 1},
-      {"ChannelTwice", WithClips(kMoveTip + "," + kMoveTip, {"go"}), 2, "repeat an earlier one", 1},
-      {"ClipsOfOneName", WithClips(kMoveTip, {"go", "go", "go"}), 2,
-       "two clips are called 'go'; the second is now 'go 3'", 3},
-      {"ClipsOfNoName", WithClips(kMoveTip, {"", "clip 0"}), 2,
-       "two clips are called 'clip 0'; the second is now 'clip 0 2'", 2},
-      {"NormalsThatAreTooFew", WithData<float>("NORMAL", kF32, "VEC3", {0, 0, 1}), 2,
-       "attribute NORMAL: has 1 elements, POSITION has 4; the attribute was left out"},
-      {"UvsOfAnotherType", WithData("TEXCOORD_0", kF32, "VEC3", std::vector<float>(12, 0)), 2,
-       "the attribute was left out"},
-      {"StrideBackwards",
+       1},
+      {"ChannelOfWeights", 2, "1 channels move no joint",
+       WithClips(kMoveTip + R"(,{"sampler":0,"target":{"node":2,"path":"weights"}})", {"go"}), 1},
+      {"ChannelWithoutTarget", 2, "1 channels move no joint",
+       WithClips(kMoveTip + R"(,{"sampler":0})", {"go"}), 1},
+      {"ChannelTwice", 2, "repeat an earlier one", WithClips(kMoveTip + "," + kMoveTip, {"go"}), 1},
+      {"ClipsOfOneName", 2, "two clips are called 'go'; the second is now 'go 3'",
+       WithClips(kMoveTip, {"go", "go", "go"}), 3},
+      {"ClipsOfNoName", 2, "two clips are called 'clip 0'; the second is now 'clip 0 2'",
+       WithClips(kMoveTip, {"", "clip 0"}), 2},
+      {"NormalsThatAreTooFew", 2,
+       "attribute NORMAL: has 1 elements, POSITION has 4; the attribute was left out",
+       WithData<float>("NORMAL", kF32, "VEC3", {0, 0, 1})},
+      {"UvsOfAnotherType", 2, "the attribute was left out",
+       WithData("TEXCOORD_0", kF32, "VEC3", std::vector<float>(12, 0))},
+      {"StrideBackwards", 2, "byteStride is no size; the attribute was left out",
        WithAttribute("NORMAL",
                      [](GltfBuilder& b) {
                        const int view = b.View(std::vector<float>(12, 1.0f));
                        b.views.insert(b.views.size() - 1, ",\"byteStride\":-12");
                        return b.Accessor(view, kF32, 4, "VEC3");
-                     }),
-       2, "byteStride is no size; the attribute was left out"},
-      {"TangentThatIsNot", WithAttribute("TANGENT", [](GltfBuilder&) { return 99; }), 2,
-       "(the file has 5); the attribute was left out"},
-      {"JointsAsFloats",
-       WithData<float>("JOINTS_0", kF32, "VEC4", {0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}),
-       2, ""},
-      {"JointsAsWords",
+                     })},
+      {"TangentThatIsNot", 2, "(the file has 5); the attribute was left out",
+       WithAttribute("TANGENT", [](GltfBuilder&) { return 99; })},
+      {"JointsAsFloats", 2, "",
+       WithData<float>("JOINTS_0", kF32, "VEC4", {0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0})},
+      {"JointsAsWords", 2, "",
        WithData<uint32_t>("JOINTS_0", kU32, "VEC4",
-                          {0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}),
-       2, ""},
-      {"WeightsAsShorts",
+                          {0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0})},
+      {"WeightsAsShorts", 2, "",
        WithData<int16_t>("WEIGHTS_0", kI16, "VEC4",
                          {32767, 0, 0, 0, 32767, 0, 0, 0, 32767, 0, 0, 0, 32767, 0, 0, 0},
-                         ",\"normalized\":true"),
-       2, ""},
-      {"JointThatIsNot",
-       WithData<uint8_t>("JOINTS_0", kU8, "VEC4", {0, 0, 0, 0, 0, 0, 0, 0, 9, 0, 0, 0, 1, 0, 0, 0}),
-       2, "1 skin weights are on joints that do not exist"},
-      {"PositionThatIsNoNumber",
-       WithData<float>("POSITION", kF32, "VEC3", {0, 0, 0, 1, 0, 0, 1, 1, 0, nan, 1, 0}), 1,
-       "1 triangles had vertices that are no finite numbers"},
-      {"WeightsWithoutJoints", WithData("WEIGHTS_1", kF32, "VEC4", test::kQuadWeights), 2,
-       "WEIGHTS_1 has no JOINTS_1"},
-      {"SpareElements",
+                         ",\"normalized\":true")},
+      {"JointThatIsNot", 2, "1 skin weights are on joints that do not exist",
+       WithData<uint8_t>("JOINTS_0", kU8, "VEC4",
+                         {0, 0, 0, 0, 0, 0, 0, 0, 9, 0, 0, 0, 1, 0, 0, 0})},
+      {"PositionThatIsNoNumber", 1, "1 triangles had vertices that are no finite numbers",
+       WithData<float>("POSITION", kF32, "VEC3", {0, 0, 0, 1, 0, 0, 1, 1, 0, nan, 1, 0})},
+      {"WeightsWithoutJoints", 2, "WEIGHTS_1 has no JOINTS_1",
+       WithData("WEIGHTS_1", kF32, "VEC4", kQuadWeights)},
+      {"SpareElements", 2, "",
        WithData<float>("WEIGHTS_0", kF32, "VEC4",
-                       {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}),
-       2, ""},
-      {"BrokenThingsThatNobodyUses",
+                       {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0})},
+      {"BrokenThingsThatNobodyUses", 2, "",
        WithMore(R"(,"images":[{"bufferView":999}],"cameras":5,"textures":{},"extras":[1,{"a":[]}],)"
-                R"("extensionsUsed":["ACME_x","KHR_lights_punctual"],"samplers":[[]])"),
-       2, ""},
-      {"UnknownRequired", WithMore(R"(,"extensionsRequired":["ACME_rig","MSFT_lod"])"), 2,
-       "The file requires ACME_rig"},
+                R"("extensionsUsed":["ACME_x","KHR_lights_punctual"],"samplers":[[]])")},
+      {"UnknownRequired", 2, "The file requires ACME_rig",
+       WithMore(R"(,"extensionsRequired":["ACME_rig","MSFT_lod"])")},
   };
   // Accessors and the like that nothing uses.
   GltfBuilder unused = MakeQuad();
@@ -277,35 +249,35 @@ std::vector<Case> Cases() {
   unused.views += R"(,{"buffer":77,"byteOffset":-5},{},5)";
   unused.animations = R"({},{"samplers":[{}],"channels":[]},7)";
   unused.materials = R"({},{"pbrMetallicRoughness":5},"x")";
-  cases.push_back({"UnusedParts", unused, 2, "has no name", 3});
+  cases.push_back({"UnusedParts", 2, "has no name", unused, 3});
   GltfBuilder empty = MakeQuad();
   SetPrimitives(empty,
                 Primitive(empty.attributes, empty.primitive_more) + ",{},{\"attributes\":5}");
-  cases.push_back({"EmptyPrimitives", empty, 2, "attribute POSITION is missing"});
+  cases.push_back({"EmptyPrimitives", 2, "attribute POSITION is missing", empty});
   GltfBuilder no_mesh = MakeQuad();
   SetPrimitives(no_mesh, Primitive(no_mesh.attributes, no_mesh.primitive_more));
   no_mesh.meshes += R"(,{"name":"none"})";
   no_mesh.nodes += R"(,{"mesh":1,"skin":0})";
-  cases.push_back({"MeshWithoutPrimitives", no_mesh, 2, ""});
+  cases.push_back({"MeshWithoutPrimitives", 2, "", no_mesh});
   const auto with_skin = [](const std::string& skin) {
     GltfBuilder b = MakeQuad();
     b.skins = skin;
     return b;
   };
   const std::string bind = R"("inverseBindMatrices":4)";
-  cases.push_back({"JointTwice", with_skin(R"({"joints":[0,1,1]})"), 2, ""});
+  cases.push_back({"JointTwice", 2, "", with_skin(R"({"joints":[0,1,1]})")});
   cases.push_back(
-      {"JointNodeThatIsNot", with_skin(R"({"joints":[0,7]})"), 2, "1 joints do not exist", 0, 1});
-  cases.push_back({"SkeletonRootThatIsNot",
-                   with_skin(R"({"joints":[0,1],"skeleton":99,)" + bind + "}"), 2, ""});
-  cases.push_back({"TooFewBinds", with_skin(R"({"joints":[0,1,0],)" + bind + "}"), 2,
-                   "1 inverse bind matrices are missing"});
-  cases.push_back({"BindsOfAnotherType", with_skin(R"({"joints":[0,1],"inverseBindMatrices":0})"),
-                   2, "2 inverse bind matrices are missing"});
+      {"JointNodeThatIsNot", 2, "1 joints do not exist", with_skin(R"({"joints":[0,7]})"), 0, 1});
+  cases.push_back({"SkeletonRootThatIsNot", 2, "",
+                   with_skin(R"({"joints":[0,1],"skeleton":99,)" + bind + "}")});
+  cases.push_back({"TooFewBinds", 2, "1 inverse bind matrices are missing",
+                   with_skin(R"({"joints":[0,1,0],)" + bind + "}")});
+  cases.push_back({"BindsOfAnotherType", 2, "2 inverse bind matrices are missing",
+                   with_skin(R"({"joints":[0,1],"inverseBindMatrices":0})")});
   GltfBuilder odd = MakeQuad({.skin = false});
   odd.skins = "{\"joints\":[0,1],\"inverseBindMatrices\":" +
               Number(odd.Floats("MAT4", std::vector<float>(32, nan))) + "}";
-  cases.push_back({"BindsThatAreNoNumbers", odd, 2, "2 inverse bind matrices are missing"});
+  cases.push_back({"BindsThatAreNoNumbers", 2, "2 inverse bind matrices are missing", odd});
   return cases;
 }
 
@@ -318,7 +290,7 @@ TEST_P(GltfField, IsReadWithANote) {
     return;
   }
   const Character c = ImportGltf(want.builder.Glb(), "quad");
-  test::ExpectWhole(c);
+  ExpectWhole(c);
   EXPECT_EQ(c.mesh.triangles.size(), want.triangles);
   EXPECT_EQ(c.clips.size(), want.clips);
   EXPECT_EQ(c.skeleton.name.size(), want.joints);
@@ -338,7 +310,7 @@ TEST(GltfField, APrimitiveWithoutJointsIsRigid) {
   const RestGeometry rest = ComputeRestGeometry(c, 1.0f);
   ASSERT_EQ(rest.position.size(), 8u);
   for (size_t v = 0; v < 4; ++v) {
-    const glm::vec3 at(test::kQuadPositions[3 * v], test::kQuadPositions[3 * v + 1], 0.0f);
+    const glm::vec3 at(kQuadPositions[3 * v], kQuadPositions[3 * v + 1], 0.0f);
     EXPECT_EQ(rest.position[v + 4], at + glm::vec3(0, 1, 5));
     EXPECT_EQ(c.skeleton.name[c.mesh.joints[v + 4][0]], "tip");
   }
@@ -355,7 +327,7 @@ TEST(GltfField, OnlyJointsThatAreUsedCount) {
   }
   b.skins = "{\"joints\":[" + joints + "]}";
   const Character c = ImportGltf(b.Glb(), "quad");
-  test::ExpectWhole(c);
+  ExpectWhole(c);
   EXPECT_EQ(c.skeleton.name, (std::vector<std::string>{"base", "tip"}));
   EXPECT_EQ(c.mesh.joints[2][0], 1);
   EXPECT_NE(Join(c.notes).find("2997 of 2999 joints move no vertex"), std::string::npos)
@@ -403,9 +375,9 @@ TEST(GltfField, SharedVerticesAreNumberedAsTheirOwn) {
     const std::string first = b.attributes;
     if (own) {
       b.attributes.clear();
-      b.Attribute("POSITION", b.Floats("VEC3", test::kQuadPositions));
-      b.Attribute("JOINTS_0", b.Add(kU8, "VEC4", test::kQuadJoints));
-      b.Attribute("WEIGHTS_0", b.Floats("VEC4", test::kQuadWeights));
+      b.Attribute("POSITION", b.Floats("VEC3", kQuadPositions));
+      b.Attribute("JOINTS_0", b.Add(kU8, "VEC4", kQuadJoints));
+      b.Attribute("WEIGHTS_0", b.Floats("VEC4", kQuadWeights));
     }
     const int a = b.Add(kU16, "SCALAR", std::vector<uint16_t>{1, 2, 3});
     const int c = b.Add(kU16, "SCALAR", std::vector<uint16_t>{0, 1, 3});
@@ -447,7 +419,7 @@ TEST(GltfField, NormalsFitTheRestPose) {
   b.Attribute("POSITION", b.Floats("VEC3", {0, 0, 0, 1, 0, 1, 1, 1, 1, 0, 1, 0}));
   b.nodes = R"({"scale":[4,1,1],"children":[1]},{"translation":[0,1,0]},{"mesh":0,"skin":0})";
   const Character c = ImportGltf(b.Glb(), "quad");
-  test::ExpectWhole(c);
+  ExpectWhole(c);
   const RestGeometry rest = ComputeRestGeometry(c, 1.0f);
   for (size_t v = 0; v < rest.normal.size(); ++v) {
     const glm::vec3 along = rest.position[1] - rest.position[0];
@@ -463,7 +435,7 @@ TEST(GltfField, NoMessageIsLong) {
             "\"},{\"mesh\":0,\"skin\":0}";
   ExpectShort(ImportGltf(b.Glb(), "quad").notes);
   b.nodes = "{},{},{\"name\":\"" + name + "\",\"mesh\":7,\"skin\":0}";
-  const std::string error = test::ErrorFrom([&] { ImportGltf(b.Glb(), "quad"); });
+  const std::string error = ErrorFrom([&] { ImportGltf(b.Glb(), "quad"); });
   ExpectShort({error});
   EXPECT_NE(error.find("mesh 7 does not exist"), std::string::npos) << error;
 }
@@ -488,4 +460,4 @@ TEST(GltfField, NumbersHaveAPointInEveryLocale) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

@@ -6,25 +6,16 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 
 #include "core/character/pose.hpp"
 #include "core/error.hpp"
 #include "tests/character/gltf_builder.hpp"
+#include "tests/error_from.hpp"
+#include "tests/test_folder.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
-
-using test::GltfBuilder;
-using test::kF32;
-using test::kI16;
-using test::kI8;
-using test::kU16;
-using test::kU32;
-using test::kU8;
-using test::MakeQuad;
-using test::QuadParts;
 
 bool HasNote(const Character& c, const std::string& part) {
   for (const std::string& note : c.notes)
@@ -38,7 +29,7 @@ void ExpectQuad(const Character& c) {
   ASSERT_EQ(c.mesh.triangles.size(), 2u);
   for (size_t v = 0; v < 4; ++v) {
     for (int i = 0; i < 3; ++i)
-      EXPECT_EQ(c.mesh.position[v][i], test::kQuadPositions[3 * v + size_t(i)]) << v;
+      EXPECT_EQ(c.mesh.position[v][i], kQuadPositions[3 * v + size_t(i)]) << v;
     EXPECT_EQ(c.mesh.joints[v][0], v < 2 ? 0 : 1) << v;
     EXPECT_EQ(c.mesh.weights[v], glm::vec4(1, 0, 0, 0)) << v;
     EXPECT_EQ(c.mesh.normal[v], glm::vec3(0, 0, 1)) << v;
@@ -62,7 +53,7 @@ TEST(GltfImport, IndicesOfEveryType) {
   for (int type : {kU8, kU16, kU32}) {
     GltfBuilder b = MakeQuad({.indices = false});
     if (type == kU8) b.Indices(b.Add(kU8, "SCALAR", std::vector<uint8_t>{0, 1, 2, 0, 2, 3}));
-    if (type == kU16) b.Indices(b.Add(kU16, "SCALAR", test::kQuadIndices));
+    if (type == kU16) b.Indices(b.Add(kU16, "SCALAR", kQuadIndices));
     if (type == kU32) b.Indices(b.Add(kU32, "SCALAR", std::vector<uint32_t>{0, 1, 2, 0, 2, 3}));
     ExpectQuad(Import(b));
   }
@@ -72,10 +63,10 @@ TEST(GltfImport, NoIndicesWelds) {
   GltfBuilder b = MakeQuad({false, false, false, false, true});
   std::vector<float> position, weights;
   std::vector<uint8_t> joints;
-  for (uint16_t i : test::kQuadIndices) {
-    for (size_t c = 0; c < 3; ++c) position.push_back(test::kQuadPositions[3 * i + c]);
-    for (size_t c = 0; c < 4; ++c) weights.push_back(test::kQuadWeights[4 * i + c]);
-    for (size_t c = 0; c < 4; ++c) joints.push_back(test::kQuadJoints[4 * i + c]);
+  for (uint16_t i : kQuadIndices) {
+    for (size_t c = 0; c < 3; ++c) position.push_back(kQuadPositions[3 * i + c]);
+    for (size_t c = 0; c < 4; ++c) weights.push_back(kQuadWeights[4 * i + c]);
+    for (size_t c = 0; c < 4; ++c) joints.push_back(kQuadJoints[4 * i + c]);
   }
   b.Attribute("POSITION", b.Floats("VEC3", position));
   b.Attribute("JOINTS_0", b.Add(kU8, "VEC4", joints));
@@ -88,18 +79,18 @@ TEST(GltfImport, NoIndicesWelds) {
 TEST(GltfImport, JointsAsShortsAndWeightsAsIntegers) {
   for (int type : {kU8, kU16}) {
     GltfBuilder b = MakeQuad({.joints = false, .weights = false});
-    std::vector<uint8_t> j = test::kQuadJoints;
+    std::vector<uint8_t> j = kQuadJoints;
     j[1] = 1;  // vertex 0 hangs on the tip too
     b.Attribute("JOINTS_0", b.Add(kU16, "VEC4", std::vector<uint16_t>(j.begin(), j.end())));
     if (type == kU8) {
       std::vector<uint8_t> w;
-      for (float f : test::kQuadWeights) w.push_back(uint8_t(f * 255));
+      for (float f : kQuadWeights) w.push_back(uint8_t(f * 255));
       w[0] = 51;  // 0.2 on joint 0 and 0.8 on joint 1
       w[1] = 204;
       b.Attribute("WEIGHTS_0", b.Add(kU8, "VEC4", w, ",\"normalized\":true"));
     } else {
       std::vector<uint16_t> w;
-      for (float f : test::kQuadWeights) w.push_back(uint16_t(f * 65535));
+      for (float f : kQuadWeights) w.push_back(uint16_t(f * 65535));
       w[0] = 13107;
       w[1] = 52428;
       b.Attribute("WEIGHTS_0", b.Add(kU16, "VEC4", w, ",\"normalized\":true"));
@@ -118,9 +109,9 @@ TEST(GltfImport, ByteStridesAndOffsets) {
   GltfBuilder b = MakeQuad({.position = false, .weights = false});
   std::vector<float> mixed;  // position, pad, weights: 32 bytes per vertex
   for (size_t v = 0; v < 4; ++v) {
-    for (size_t c = 0; c < 3; ++c) mixed.push_back(test::kQuadPositions[3 * v + c]);
+    for (size_t c = 0; c < 3; ++c) mixed.push_back(kQuadPositions[3 * v + c]);
     mixed.push_back(1e9f);
-    for (size_t c = 0; c < 4; ++c) mixed.push_back(test::kQuadWeights[4 * v + c]);
+    for (size_t c = 0; c < 4; ++c) mixed.push_back(kQuadWeights[4 * v + c]);
   }
   const int view = b.View(mixed, 32);
   b.Attribute("POSITION", b.Accessor(view, kF32, 4, "VEC3"));
@@ -130,7 +121,7 @@ TEST(GltfImport, ByteStridesAndOffsets) {
 
 TEST(GltfImport, SparseOverData) {
   GltfBuilder b = MakeQuad({.position = false});
-  std::vector<float> wrong = test::kQuadPositions;
+  std::vector<float> wrong = kQuadPositions;
   wrong[3] = 77;  // vertex 1
   wrong[9] = 88;  // vertex 3
   const int base = b.View(wrong);
@@ -213,16 +204,21 @@ TEST(GltfImport, SeveralPrimitivesAndMaterials) {
   EXPECT_EQ(c.mesh.position.size(), 4u);  // the same vertices
 }
 
-TEST(GltfImport, TwoSkinsOfOneSkeletonMeetInOneBindSpace) {
-  GltfBuilder b = MakeQuad();
-  // The second skin was bound with the mesh moved by (10, 0, 0): inverse bind * that offset.
-  const int bind = b.Floats("MAT4", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 10, 0,  0, 1,
-                                     1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 10, -1, 0, 1});
-  b.skins += ",{\"joints\":[0,1],\"inverseBindMatrices\":" + std::to_string(bind) + "}";
+// The same mesh once more, with a skin of these inverse bind matrices.
+void AddSecondMesh(GltfBuilder& b, const std::vector<float>& inverse_bind) {
+  b.skins += ",{\"joints\":[0,1],\"inverseBindMatrices\":" +
+             std::to_string(b.Floats("MAT4", inverse_bind)) + "}";
   const std::string mesh =
       "{\"primitives\":[{\"attributes\":{" + b.attributes + "}" + b.primitive_more + "}]}";
   b.meshes = mesh + "," + mesh;
   b.nodes += R"(,{"name":"second","mesh":1,"skin":1})";
+}
+
+TEST(GltfImport, TwoSkinsOfOneSkeletonMeetInOneBindSpace) {
+  GltfBuilder b = MakeQuad();
+  // The second skin was bound with the mesh moved by (10, 0, 0): inverse bind * that offset.
+  AddSecondMesh(b, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 10, 0,  0, 1,
+                    1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 10, -1, 0, 1});
   const Character c = Import(b);
   EXPECT_TRUE(HasNote(c, "another mesh space"));
   ASSERT_EQ(c.mesh.position.size(), 8u);
@@ -235,13 +231,8 @@ TEST(GltfImport, TwoSkinsOfOneSkeletonMeetInOneBindSpace) {
 
 TEST(GltfImport, SkinsThatDisagreeJointByJointGetJointsOfTheirOwn) {
   GltfBuilder b = MakeQuad();
-  const int bind = b.Floats("MAT4", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1,
-                                     2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 0, 0, 3, 1});
-  b.skins += ",{\"joints\":[0,1],\"inverseBindMatrices\":" + std::to_string(bind) + "}";
-  const std::string mesh =
-      "{\"primitives\":[{\"attributes\":{" + b.attributes + "}" + b.primitive_more + "}]}";
-  b.meshes = mesh + "," + mesh;
-  b.nodes += R"(,{"name":"second","mesh":1,"skin":1})";
+  AddSecondMesh(b, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1,
+                    2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 0, 0, 3, 1});
   const Character c = Import(b);
   EXPECT_TRUE(HasNote(c, "joints of its own"));
   EXPECT_EQ(c.skeleton.name, (std::vector<std::string>{"base", "tip", "tip of skin 1"}));
@@ -306,7 +297,7 @@ TEST(GltfImport, MoreThanFourInfluencesKeepTheLargest) {
 
 TEST(GltfImport, WeightsAreRepairedAloud) {
   GltfBuilder b = MakeQuad({.joints = false, .weights = false});
-  std::vector<uint8_t> joints = test::kQuadJoints;
+  std::vector<uint8_t> joints = kQuadJoints;
   joints[13] = 200;  // vertex 3, weight 0
   b.Attribute("JOINTS_0", b.Add(kU8, "VEC4", joints));
   b.Attribute("WEIGHTS_0", b.Floats("VEC4", {3, 0, 0, 0, 0, 0, 0, 0, 1, -0.5f, 0, 0, 1, 0, 0, 0}));
@@ -392,24 +383,16 @@ TEST(GltfImport, TextFileWithDataUri) {
 }
 
 TEST(GltfImport, FilesWithBuffersBeside) {
-  const std::filesystem::path folder =
-      std::filesystem::path(testing::TempDir()) / "pelt_gltf_import_test";
-  std::filesystem::create_directories(folder);
+  const TestFolder folder;
   const GltfBuilder b = MakeQuad();
-  std::ofstream(folder / "quad.gltf", std::ios::binary) << b.Json(true, "quad.bin");
-  std::ofstream(folder / "quad.bin", std::ios::binary)
-      .write(reinterpret_cast<const char*>(b.binary.data()), std::streamsize(b.binary.size()));
-  const Character c = ImportGltfFile((folder / "quad.gltf").string());
+  const std::string file = folder.Save("quad.gltf", b.Json(true, "quad.bin"));
+  const std::string beside = folder.Save("quad.bin", b.binary);
+  const Character c = ImportGltfFile(file);
   ExpectQuad(c);
   EXPECT_EQ(c.name, "quad");
-  std::filesystem::remove(folder / "quad.bin");
-  try {
-    ImportGltfFile((folder / "quad.gltf").string());
-    FAIL() << "imported without its buffer";
-  } catch (const Error& e) {
-    EXPECT_NE(std::string(e.what()).find("quad.bin"), std::string::npos) << e.what();
-  }
-  std::filesystem::remove_all(folder);
+  std::filesystem::remove(beside);
+  const std::string error = ErrorFrom([&] { ImportGltfFile(file); });
+  EXPECT_NE(error.find("quad.bin"), std::string::npos) << error;
 }
 
 TEST(GltfImport, ImagesAreNotLookedAt) {
@@ -424,7 +407,7 @@ TEST(GltfImport, WhatIsNoNumberIsRepairedWithANote) {
   for (const float bad :
        {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
     GltfBuilder b = MakeQuad({.weights = false});
-    std::vector<float> weights = test::kQuadWeights, normals = {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1};
+    std::vector<float> weights = kQuadWeights, normals = {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1};
     std::vector<float> uvs = {0, 0, 1, 0, 1, 1, 0, 1};
     weights[4 * 3] = normals[3 * 2 + 1] = uvs[2 * 1] = bad;
     b.Attribute("WEIGHTS_0", b.Floats("VEC4", weights));
@@ -458,4 +441,4 @@ TEST(GltfImport, AnUnknownRequiredExtensionIsANote) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

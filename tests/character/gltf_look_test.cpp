@@ -2,18 +2,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
 #include <limits>
 
 #include "core/groom/surface_colour.hpp"
 #include "tests/character/gltf_builder.hpp"
 #include "tests/groom/png.hpp"
+#include "tests/test_folder.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
-
-using test::GltfBuilder;
 
 constexpr float kNear = 1e-5f;
 const std::string kPlainImage = R"(,"textures":[{"source":0}],"images":[)";
@@ -29,7 +26,7 @@ std::string Material(const std::string& members) {
 // A quad of one material.
 GltfBuilder MakeLook(const std::string& material, const std::string& more = "",
                      const std::vector<float>& uvs = {0, 0, 1, 0, 1, 1, 0, 1}) {
-  GltfBuilder b = test::MakeQuad();
+  GltfBuilder b = MakeQuad();
   b.Attribute("TEXCOORD_0", b.Floats("VEC2", uvs));
   b.primitive_more += ",\"material\":0";
   b.materials = material;
@@ -47,7 +44,7 @@ TEST(GltfLook, FactorIsTheColour) {
 }
 
 TEST(GltfLook, UvSetsAreCounted) {
-  EXPECT_EQ(Import(test::MakeQuad()).mesh.uv_sets, 0u);
+  EXPECT_EQ(Import(MakeQuad()).mesh.uv_sets, 0u);
   GltfBuilder b = MakeLook(Material(""));
   EXPECT_EQ(Import(b).mesh.uv_sets, 1u);
   b.Attribute("TEXCOORD_1", b.Floats("VEC2", {0, 0, 1, 0, 1, 1, 0, 1}));
@@ -60,12 +57,12 @@ TEST(GltfLook, WhatSaysNothingIsNotKnown) {
     EXPECT_FALSE(SurfaceColour(c).Knows(0)) << material;
     EXPECT_FALSE(c.mesh.looks.at(0).stated) << material;
   }
-  const Character plain = Import(test::MakeQuad());
+  const Character plain = Import(MakeQuad());
   EXPECT_FALSE(SurfaceColour(plain).Knows(0));
 }
 
 // 2 x 1 texels, the left one grey, the right one green.
-std::vector<uint8_t> TwoTexels() { return test::MakePng(2, 1, 3, {128, 128, 128, 0, 255, 0}); }
+std::vector<uint8_t> TwoTexels() { return MakePng(2, 1, 3, {128, 128, 128, 0, 255, 0}); }
 
 TEST(GltfLook, ImageIsMultipliedWithTheFactor) {
   GltfBuilder b =
@@ -85,7 +82,7 @@ TEST(GltfLook, ImageIsMultipliedWithTheFactor) {
 }
 
 TEST(GltfLook, ImagesWithinTheTextAreRead) {
-  const std::string uri = "data:image/png;base64," + test::Base64(TwoTexels());
+  const std::string uri = "data:image/png;base64," + Base64(TwoTexels());
   // The two materials have one image.
   const std::string material = Material(R"("baseColorTexture":{"index":0})");
   const Character c =
@@ -170,7 +167,7 @@ TEST(GltfLook, ImagesAreMovedTurnedAndScaled) {
 }
 
 TEST(GltfLook, CornersHaveColours) {
-  GltfBuilder b = test::MakeQuad();
+  GltfBuilder b = MakeQuad();
   const float nan = std::numeric_limits<float>::quiet_NaN();
   b.Attribute("COLOR_0", b.Floats("VEC3", {1, 0, 0, 0, 1, 0, 0, 0, 0.5f, nan, 7, -1}));
   const Character c = Import(b);
@@ -181,8 +178,8 @@ TEST(GltfLook, CornersHaveColours) {
   ExpectNear(surface.At({0, {0.5f, 0.5f, 0.0f}}), {0.5f, 0.5f, 0.0f});
   ExpectNear(surface.At({0, {0.0f, 0.0f, 1.0f}}), {0.0f, 0.0f, 0.5f});
   ExpectNear(surface.At({1, {0.0f, 0.0f, 1.0f}}), {1.0f, 1.0f, 0.0f});  // what is no number: white
-  GltfBuilder bytes = test::MakeQuad();
-  bytes.Attribute("COLOR_0", bytes.Add(test::kU8, "VEC4",
+  GltfBuilder bytes = MakeQuad();
+  bytes.Attribute("COLOR_0", bytes.Add(kU8, "VEC4",
                                        std::vector<uint8_t>{255, 0, 51, 255, 255, 0, 51, 255, 255,
                                                             0, 51, 255, 255, 0, 51, 255},
                                        ",\"normalized\":true"));
@@ -191,7 +188,7 @@ TEST(GltfLook, CornersHaveColours) {
 }
 
 TEST(GltfLook, ColoursDoNotPartVertices) {
-  GltfBuilder plain = test::MakeQuad(), coloured = test::MakeQuad();
+  GltfBuilder plain = MakeQuad(), coloured = MakeQuad();
   coloured.Attribute("COLOR_0", coloured.Floats("VEC3", {1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 1}));
   const Character a = Import(plain), b = Import(coloured);
   EXPECT_EQ(a.mesh.position, b.mesh.position);
@@ -202,28 +199,28 @@ TEST(GltfLook, ColoursDoNotPartVertices) {
 TEST(GltfLook, CoordinatesMayBeIntegersOfEachKind) {
   const auto expect = [](auto of, int component, bool normalised, float scale) {
     using T = decltype(of);
-    GltfBuilder b = test::MakeQuad();
+    GltfBuilder b = MakeQuad();
     b.Attribute("TEXCOORD_0", b.Add(component, "VEC2", std::vector<T>{0, 0, 100, 0, 100, 50, 0, 50},
                                     normalised ? ",\"normalized\":true" : ""));
     const Character c = Import(b);
     EXPECT_FLOAT_EQ(c.mesh.uv.at(2).x, 100.0f * scale) << component << normalised;
     EXPECT_FLOAT_EQ(c.mesh.uv.at(2).y, 50.0f * scale) << component << normalised;
   };
-  expect(int8_t(), test::kI8, false, 1.0f);
-  expect(int8_t(), test::kI8, true, 1.0f / 127.0f);
-  expect(uint8_t(), test::kU8, false, 1.0f);
-  expect(uint8_t(), test::kU8, true, 1.0f / 255.0f);
-  expect(int16_t(), test::kI16, false, 1.0f);
-  expect(int16_t(), test::kI16, true, 1.0f / 32767.0f);
-  expect(uint16_t(), test::kU16, false, 1.0f);
-  expect(uint16_t(), test::kU16, true, 1.0f / 65535.0f);
+  expect(int8_t(), kI8, false, 1.0f);
+  expect(int8_t(), kI8, true, 1.0f / 127.0f);
+  expect(uint8_t(), kU8, false, 1.0f);
+  expect(uint8_t(), kU8, true, 1.0f / 255.0f);
+  expect(int16_t(), kI16, false, 1.0f);
+  expect(int16_t(), kI16, true, 1.0f / 32767.0f);
+  expect(uint16_t(), kU16, false, 1.0f);
+  expect(uint16_t(), kU16, true, 1.0f / 65535.0f);
 }
 
 // What a primitive can do without does not cost the character.
 TEST(GltfLook, AttributesThatCannotBeReadAreLeftOut) {
   for (const char* attribute : {"NORMAL", "TANGENT", "TEXCOORD_0", "COLOR_0"}) {
     for (const bool is_short : {false, true}) {
-      GltfBuilder b = test::MakeQuad();
+      GltfBuilder b = MakeQuad();
       b.Attribute(attribute, is_short ? b.Floats("VEC4", {0, 0, 1, 1}) : 99);
       const Character c = Import(b);
       EXPECT_EQ(c.mesh.triangles.size(), 2u);
@@ -235,7 +232,7 @@ TEST(GltfLook, AttributesThatCannotBeReadAreLeftOut) {
 }
 
 TEST(GltfLook, MaterialsThatAreNotThereAreNone) {
-  GltfBuilder b = test::MakeQuad();
+  GltfBuilder b = MakeQuad();
   b.primitive_more += ",\"material\":3";
   const Character c = Import(b);
   EXPECT_EQ(c.mesh.materials, std::vector<std::string>{"default"});
@@ -335,41 +332,30 @@ TEST(GltfLook, DamagedImagesCountAsWhite) {
 }
 
 TEST(GltfLook, ImagesBesideTheFileAreReadAndNoneElsewhere) {
-  const auto folder = std::filesystem::temp_directory_path() / "pelt_gltf_look";
-  std::filesystem::create_directories(folder / "inside");
+  const TestFolder folder;
   const std::vector<uint8_t> png = TwoTexels();
-  for (const auto& file : {folder / "a.png", folder / "inside" / "a.png"})
-    std::ofstream(file, std::ios::binary)
-        .write(reinterpret_cast<const char*>(png.data()), std::streamsize(png.size()));
+  for (const char* file : {"a.png", "inside/a.png"}) folder.Save(file, png);
   const auto import = [&](const std::string& uri) {
     GltfBuilder b = MakeLook(Material(R"("baseColorTexture":{"index":0})"),
                              kPlainImage + R"({"uri":")" + uri + R"("}])");
-    std::ofstream(folder / "inside" / "quad.gltf", std::ios::binary) << b.Json(true, "quad.bin");
-    std::ofstream(folder / "inside" / "quad.bin", std::ios::binary)
-        .write(reinterpret_cast<const char*>(b.binary.data()), std::streamsize(b.binary.size()));
-    return ImportGltfFile((folder / "inside" / "quad.gltf").string());
+    folder.Save("inside/quad.bin", b.binary);
+    return ImportGltfFile(folder.Save("inside/quad.gltf", b.Json(true, "quad.bin")));
   };
   const Character c = import("a.png");
   EXPECT_EQ(c.images.size(), 1u);
   EXPECT_EQ(c.files_read.size(), 2u);  // what is read must not be written over
   EXPECT_TRUE(import("../a.png").images.empty());
-  EXPECT_TRUE(import((folder / "a.png").string()).images.empty());
+  EXPECT_TRUE(import(folder / "a.png").images.empty());
   EXPECT_TRUE(import("none.png").images.empty());
   // As they are named in other places.
-  const auto file = [&](const std::string& name) {
-    std::filesystem::create_directories((folder / "inside" / name).parent_path());
-    std::ofstream(folder / "inside" / name, std::ios::binary)
-        .write(reinterpret_cast<const char*>(png.data()), std::streamsize(png.size()));
-  };
   for (const char* name : {"my fur.png", "maps/a..b.png", "100%25.png", "f\xc3\xbcr.png"})
-    file(name);
+    folder.Save(std::string("inside/") + name, png);
   for (const char* uri : {"my%20fur.png", "my fur.png", "maps/a..b.png", "./maps/a..b.png",
                           "maps\\\\a..b.png", "100%25.png", "100%2525.png", "f%C3%BCr.png"})
     EXPECT_EQ(import(uri).images.size(), 1u) << uri;
   for (const char* uri : {"%2e%2e/a.png", "maps/../../a.png", "..\\\\a.png", "%2Ftmp/a.png",
                           "https://example.org/a.png", "a.png%00"})
     EXPECT_TRUE(import(uri).images.empty()) << uri;
-  std::filesystem::remove_all(folder);
 }
 
 TEST(GltfLook, SrgbIsTheStandardsCurve) {
@@ -379,4 +365,4 @@ TEST(GltfLook, SrgbIsTheStandardsCurve) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

@@ -3,19 +3,18 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstring>
-#include <fstream>
 
 #include "core/character/builtin_character.hpp"
 #include "core/character/gltf_import.hpp"
 #include "core/character/pose.hpp"
 #include "core/error.hpp"
+#include "core/file_bytes.hpp"
 #include "core/random.hpp"
 #include "tests/character/gltf_builder.hpp"
 #include "tests/character/shared_files.hpp"
 #include "tests/character/whole_character.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
 
 size_t JsonEnd(const std::vector<std::byte>& file) {
@@ -58,7 +57,7 @@ Outcome MutateAll(const std::vector<std::byte>& file, int count, uint64_t seed) 
     const std::vector<std::byte> damaged = Damage(file, &random);
     try {
       const Character c = ImportGltf(damaged, "damaged");
-      test::ExpectWhole(c);
+      ExpectWhole(c);
       if (!c.clips.empty()) MakePose(c.skeleton, &c.clips[0], 0.37, true, glm::mat4(1.0f));
       DefaultUnitScale(c);
       ++outcome.imported;
@@ -71,7 +70,7 @@ Outcome MutateAll(const std::vector<std::byte>& file, int count, uint64_t seed) 
 }
 
 TEST(GltfMutation, Quad) {
-  test::GltfBuilder b = test::MakeQuad();
+  GltfBuilder b = MakeQuad();
   const int input = b.Floats("SCALAR", {0, 1});
   const int output = b.Floats("VEC4", {0, 0, 0, 1, 0, 0, 1, 0});
   b.animations = "{\"samplers\":[{\"input\":" + std::to_string(input) +
@@ -89,16 +88,12 @@ TEST(GltfMutation, Builtin) {
 }
 
 TEST(GltfMutation, Fox) {
-  const std::string path = test::FindShared("Fox.glb");
+  const std::string path = FindShared("Fox.glb");
   if (path.empty()) GTEST_SKIP() << "Fox.glb is not there (set PELT_SHARED)";
-  std::ifstream in(path, std::ios::binary);
-  const std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  std::vector<std::byte> file(text.size());
-  std::memcpy(file.data(), text.data(), text.size());
-  const Outcome outcome = MutateAll(file, 1000, 3);
+  const Outcome outcome = MutateAll(ReadFileBytes("model", path).OrThrow(), 1000, 3);
   EXPECT_GT(outcome.imported, 50);
   EXPECT_GT(outcome.refused, 300);
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

@@ -8,11 +8,10 @@
 #include "tests/character/gltf_builder.hpp"
 #include "tests/groom/png.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
 
 using namespace std::string_view_literals;
-using test::GltfBuilder;
 
 std::vector<uint8_t> BytesOf(std::string_view text) { return {text.begin(), text.end()}; }
 
@@ -25,7 +24,7 @@ constexpr std::string_view kWebP = "RIFF\x10\0\0\0WEBPVP8 "sv, kKtx2 = "\xabKTX 
 Character ImportTexture(const std::string& texture,
                         const std::vector<std::vector<uint8_t>>& pictures,
                         const std::string& more = "") {
-  GltfBuilder b = test::MakeQuad();
+  GltfBuilder b = MakeQuad();
   b.Attribute("TEXCOORD_0", b.Floats("VEC2", {0, 0, 1, 0, 1, 1, 0, 1}));
   b.primitive_more += ",\"material\":0";
   b.materials = R"({"name":"coat","pbrMetallicRoughness":{"baseColorTexture":{"index":0}}})";
@@ -37,7 +36,7 @@ Character ImportTexture(const std::string& texture,
   return ImportGltf(b.Glb(), "quad.glb");
 }
 
-const std::vector<uint8_t> kPng = test::MakePng(1, 1, 3, {10, 20, 30});
+const std::vector<uint8_t> kPng = MakePng(1, 1, 3, {10, 20, 30});
 
 TEST(GltfTextures, AnImageThatIsReadIsFoundAmongSeveral) {
   const struct {
@@ -92,7 +91,7 @@ TEST(GltfTextures, WhatIsNotReadIsNamed) {
 
 TEST(GltfTextures, ImagesTakeNoMoreThanTheFile) {
   std::string textures, images, materials;
-  GltfBuilder b = test::MakeQuad();
+  GltfBuilder b = MakeQuad();
   std::vector<uint8_t> picture = kPng;
   picture.resize(100000);
   const int view = b.View(picture);
@@ -126,4 +125,4 @@ TEST(GltfTextures, SamplersSayHowImagesGoOn) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

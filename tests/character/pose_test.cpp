@@ -9,11 +9,8 @@
 #include "core/random.hpp"
 #include "tests/character/pose_reference.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
-
-using test::BlendKeys;
-using test::LocalPose;
 
 Skeleton TwoJoints() {
   Skeleton s;
@@ -209,4 +206,4 @@ TEST(Pose, PlaceCharacterScalesBeforePlacing) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

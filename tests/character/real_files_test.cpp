@@ -11,7 +11,7 @@
 #include "tests/character/shared_files.hpp"
 #include "tests/character/whole_character.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
 
 struct RealFile {
@@ -25,10 +25,10 @@ class RealFiles : public testing::TestWithParam<RealFile> {};
 
 TEST_P(RealFiles, ImportsWhole) {
   const RealFile& want = GetParam();
-  const std::string path = test::FindShared(want.file);
+  const std::string path = FindShared(want.file);
   if (path.empty()) GTEST_SKIP() << want.file << " is not there (set PELT_SHARED)";
   const Character c = ImportGltfFile(path);
-  test::ExpectWhole(c);
+  ExpectWhole(c);
   EXPECT_EQ(c.mesh.position.size(), want.vertices);
   EXPECT_EQ(c.mesh.triangles.size(), want.triangles);
   EXPECT_EQ(c.skeleton.name.size(), want.joints);
@@ -36,13 +36,13 @@ TEST_P(RealFiles, ImportsWhole) {
   EXPECT_EQ(c.mesh.materials.size(), want.materials);
   EXPECT_EQ(!c.mesh.uv.empty(), want.uvs);
   EXPECT_EQ(DefaultUnitScale(c).metres_per_unit, want.unit_scale);
-  test::ExpectRestAgrees(c, want.unit_scale);
+  ExpectRestAgrees(c, want.unit_scale);
 }
 
 // A posed character is about as large as a resting one: no track reaches the wrong joint.
 TEST_P(RealFiles, MovesWithinReason) {
   const RealFile& want = GetParam();
-  const std::string path = test::FindShared(want.file);
+  const std::string path = FindShared(want.file);
   if (path.empty()) GTEST_SKIP() << want.file << " is not there (set PELT_SHARED)";
   const Character c = ImportGltfFile(path);
   const SkeletonBlock skeleton = MakeSkeletonBlock(c.skeleton);
@@ -52,7 +52,7 @@ TEST_P(RealFiles, MovesWithinReason) {
     double moved = 0.0;
     for (double t : {0.21, 0.5, 0.83}) {
       const PoseBlock pose = MakePose(c.skeleton, &clip, t * clip.duration_s, true, root);
-      const std::vector<glm::dvec3> skinned = test::SkinPositions(c.mesh, pose, skeleton);
+      const std::vector<glm::dvec3> skinned = SkinPositions(c.mesh, pose, skeleton);
       for (size_t v = 0; v < skinned.size(); ++v) {
         const glm::dvec3 d = skinned[v] - glm::dvec3(rest.position[v]);
         moved = std::max(moved, std::sqrt(glm::dot(d, d)));
@@ -86,10 +86,10 @@ class CaseFiles : public testing::TestWithParam<CaseFile> {};
 
 TEST_P(CaseFiles, AreRight) {
   const CaseFile& want = GetParam();
-  const std::string path = test::FindShared(want.file, "cases/characters");
+  const std::string path = FindShared(want.file, "cases/characters");
   if (path.empty()) GTEST_SKIP() << want.file << " is not there (set PELT_SHARED)";
   const Character c = ImportGltfFile(path);
-  test::ExpectWhole(c);
+  ExpectWhole(c);
   const FurSetup setup = ReadFurSetup(
       std::string("[[layer]]\nname = 'coat'\nlength = 0.03\ndensity = 28000\n") + want.mask,
       "case.toml", path.substr(0, path.find("/characters/")) + "/characters");
@@ -141,7 +141,7 @@ class FieldFiles : public testing::TestWithParam<FieldFile> {};
 
 TEST_P(FieldFiles, AsIsRight) {
   const FieldFile& want = GetParam();
-  const std::string path = test::FindShared(want.file, "cases/characters");
+  const std::string path = FindShared(want.file, "cases/characters");
   if (path.empty()) GTEST_SKIP() << want.file << " is not there (set PELT_SHARED)";
   Character c;
   try {
@@ -153,7 +153,7 @@ TEST_P(FieldFiles, AsIsRight) {
     return;
   }
   ASSERT_EQ(std::string(want.refusal), "");
-  test::ExpectWhole(c);
+  ExpectWhole(c);
   EXPECT_EQ(c.mesh.triangles.size(), want.triangles);
   EXPECT_EQ(c.skeleton.name.size(), want.joints);
   EXPECT_EQ(c.clips.size(), want.clips);
@@ -195,4 +195,4 @@ INSTANTIATE_TEST_SUITE_P(
     });
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

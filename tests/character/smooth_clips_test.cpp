@@ -9,7 +9,7 @@
 #include "core/exact_math.hpp"
 #include "tests/character/shared_files.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
 
 constexpr double kTwoPi = 2.0 * exact::kPi;
@@ -134,7 +134,7 @@ TEST(SmoothClips, ALoopMayEndOnTheOtherQuaternion) {
 }
 
 TEST(SmoothClips, RealFiles) {
-  const std::string fox = test::FindShared("Fox.glb");
+  const std::string fox = FindShared("Fox.glb");
   if (fox.empty()) GTEST_SKIP() << "Fox.glb is not there (set PELT_SHARED)";
   Character character = ImportGltfFile(fox);
   SmoothClips(character);
@@ -148,4 +148,4 @@ TEST(SmoothClips, RealFiles) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

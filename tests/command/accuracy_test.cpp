@@ -2,45 +2,21 @@
 // reads one of them, exit codes. What is measured is tested in tests/accuracy.
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
 
 #include "bench/accuracy/report/accuracy_report.hpp"
+#include "bench/command/accuracy_args.hpp"
 #include "bench/command/commands.hpp"
 #include "core/error.hpp"
-#include "core/file_bytes.hpp"
 #include "core/groom/fur_setup.hpp"
+#include "tests/test_folder.hpp"
 
 namespace pelt {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-// A folder of its own, gone afterwards.
-class Folder {
- public:
-  Folder() : path_(std::filesystem::temp_directory_path() / ("pelt_" + Name())) {
-    std::filesystem::create_directories(path_);
-  }
-  ~Folder() { std::filesystem::remove_all(path_); }
-  std::string operator/(const char* name) const { return (path_ / name).string(); }
-
- private:
-  static std::string Name() {
-    const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-    return std::string(test->test_suite_name()) + "_" + test->name() + "_" +
-           std::to_string(::testing::UnitTest::GetInstance()->random_seed()) + "_" +
-           std::to_string(reinterpret_cast<uintptr_t>(&test));
-  }
-  std::filesystem::path path_;
-};
-
-std::string ReadText(const std::string& path) {
-  const std::vector<std::byte> bytes = ReadFileBytes("test", path).OrThrow();
-  return std::string(AsText(bytes));
-}
 
 AccuracyReport SmallReport() {
   AccuracyReport report;
@@ -370,7 +346,7 @@ TEST(FeatureReport, HasBothChainsAndMarksPenetration) {
 }
 
 TEST(AccuracyCommand, RunsAScene) {
-  const Folder folder;
+  const test::TestFolder folder;
   AccuracyArgs args;
   args.scene = {.scene = "tiny"};
   args.frames = 12;
@@ -378,16 +354,16 @@ TEST(AccuracyCommand, RunsAScene) {
   args.contact = false;
   args.json = OutputPath::Of(folder / "scene.json");
   ASSERT_EQ(MeasureAccuracy(args), 0);
-  const Json json = Json::parse(ReadText(args.json.path()));
+  const Json json = Json::parse(test::ReadText(args.json.path()));
   EXPECT_EQ(json["frames"], 12);
   EXPECT_EQ(json["contact"], false);
-  EXPECT_EQ(SectionMessage(ReadText(args.json.path())), "no error");
+  EXPECT_EQ(SectionMessage(test::ReadText(args.json.path())), "no error");
   args.scene = {.scene = "nowhere"};
   EXPECT_THROW(MeasureAccuracy(args), Error);
 }
 
 TEST(StressCommand, WritesItsRows) {
-  const Folder folder;
+  const test::TestFolder folder;
   StressArgs args;
   args.solvers = {"euler-1", "xpbd-8"};
   args.links = {3};
@@ -396,7 +372,7 @@ TEST(StressCommand, WritesItsRows) {
   args.quick = true;
   args.json = OutputPath::Of(folder / "stress.json");
   EXPECT_EQ(StressSolvers(args), 0);
-  const Json json = Json::parse(ReadText(args.json.path()));
+  const Json json = Json::parse(test::ReadText(args.json.path()));
   EXPECT_EQ(json["broken"], 0);
   ASSERT_GT(json["rows"].size(), 2u * 12);
   double worst = 0.0;

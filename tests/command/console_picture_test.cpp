@@ -13,10 +13,8 @@
 #include "tests/traces/trace_checker.hpp"
 #include "traces/chrome_trace.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 // As the page reads it: no gaps in what a unit does, transfers inside the frame, sums as modelled.
 TEST_P(ConsoleOf, ThePagesFrameHasNoGaps) {
@@ -62,7 +60,7 @@ TEST_P(ConsoleOf, ThePagesFrameHasNoGaps) {
   EXPECT_NEAR(compute_ns * 1e-6, b.machine.Milliseconds(cycles), 1e-3);
 }
 
-// What timeline.hpp asks for; empty when a track keeps to it.
+// What Timeline asks for; empty when a track keeps to it.
 std::string FaultOf(const Timeline& timeline, const Timeline::Track& track) {
   std::vector<Timeline::Slice> open;       // the parents of the slice before, and it
   std::map<uint32_t, uint64_t> depth_end;  // of the last on each depth
@@ -155,4 +153,4 @@ TEST(ConsoleTimeline, OverlapsAreCutForTransfersAndShownForUnits) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

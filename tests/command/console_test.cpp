@@ -10,10 +10,8 @@
 #include "bench/report/run_report.hpp"
 #include "tests/command/modelled_console.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 double SumOf(const auto& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
@@ -302,4 +300,4 @@ TEST(ConsoleBudget, FewerSpusAndABusyGpuTakeLonger) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

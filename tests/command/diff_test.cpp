@@ -1,49 +1,26 @@
 // `pelt diff` on files of each kind: exit codes, words, JSON; grooms are compared field by field.
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "bench/command/commands.hpp"
-#include "core/error.hpp"
 #include "core/file_bytes.hpp"
 #include "core/groom/groom_file.hpp"
+#include "tests/command/command_fixture.hpp"
 #include "tests/traces/recorded_frames.hpp"
 
 namespace pelt {
 namespace {
 
-namespace fs = std::filesystem;
-
-class DiffCommand : public ::testing::Test {
+class DiffCommand : public test::CommandFixture {
  protected:
-  void SetUp() override { fs::create_directories(folder_); }
-  void TearDown() override { fs::remove_all(folder_); }
   std::string Write(const std::string& name, std::span<const std::byte> bytes) const {
-    const std::string path = (folder_ / name).string();
-    WriteFileBytes("file", path, bytes).OrThrow();
-    return path;
+    return folder_.Save(name, bytes);
   }
-  // Exit code; what was printed is in `out_`.
   int Run(const std::string& left, const std::string& right, bool json = false) {
-    ::testing::internal::CaptureStdout();
-    int code = -1;
-    std::string error;
-    try {
-      code = Diff({left, right, json});
-    } catch (const Error& e) {
-      error = e.what();
-    }
-    out_ = ::testing::internal::GetCapturedStdout() + error;
-    return code;
+    return Catch([&] { return Diff({left, right, json}); });
   }
-  bool Said(const std::string& words) const { return out_.find(words) != std::string::npos; }
-
-  std::string out_;
-  fs::path folder_ =
-      fs::path(::testing::TempDir()) /
-      (std::string("diff_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
 };
 
 DigestLog MakeLog() {

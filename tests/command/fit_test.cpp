@@ -8,8 +8,8 @@
 #include "bench/fit/console_price.hpp"
 #include "bench/fit/tiers.hpp"
 #include "core/error.hpp"
-#include "core/file_bytes.hpp"
 #include "tests/jobs/tiny_scene.hpp"
+#include "tests/test_folder.hpp"
 
 namespace pelt {
 namespace {
@@ -205,8 +205,7 @@ TEST(FitScene, PlansCostWhatWasSaid) {
       planned,
       {.target_ns = 700'000, .platforms = {OnConsole(request)}, .warm_up = 6, .frames = 6});
   ASSERT_TRUE(fit.Fits());
-  const std::string path = ::testing::TempDir() + "pelt_fit_plan.toml";
-  WriteFileBytes("plan", path, AsBytes(LayerPlanText(fit.Plan()))).OrThrow();
+  const std::string path = test::TestFile(LayerPlanText(fit.Plan()));
   Scenario read = LoadScenario(ScenarioRequest{.scene = "tiny", .plan = path});
   const ConsoleBudget budget = ConsoleRun(read, request).Run();
   EXPECT_NEAR(budget.VerdictMs(), 1e-6 * double(fit.costs[0].frame_ns), 2e-6);

@@ -4,8 +4,7 @@
 #include <filesystem>
 
 #include "bench/command/commands.hpp"
-#include "core/error.hpp"
-#include "core/file_bytes.hpp"
+#include "tests/command/command_fixture.hpp"
 #include "tests/source_folder.hpp"
 #include "traces/digest_log.hpp"
 
@@ -16,47 +15,29 @@ namespace fs = std::filesystem;
 
 const std::string kKept = test::SourceFolder() + "/traces/golden";
 
-class GoldenCommand : public ::testing::Test {
+class GoldenCommand : public test::CommandFixture {
  protected:
   void SetUp() override {
     if (kStrandsPerChunk != 128)
       GTEST_SKIP() << "golden digests are kept for 128 strands per chunk";
-    fs::create_directories(folder_);
     for (const char* name : {"tiny.digests", "tiny.lod.digests"})
-      fs::copy_file(fs::path(kKept) / name, folder_ / name, fs::copy_options::overwrite_existing);
+      fs::copy_file(fs::path(kKept) / name, Path(name));
   }
-  void TearDown() override { fs::remove_all(folder_); }
   int Check(const std::string& folder) { return Run({folder, {}, "tiny"}); }
-  int Renew() { return Run({"", OutputPath::Of(folder_.string()), "tiny"}); }
+  int Renew() { return Run({"", OutputPath::Of(folder_.path().string()), "tiny"}); }
   int Run(const GoldenArgs& args) {
-    ::testing::internal::CaptureStdout();
-    int code = -1;
-    std::string error;
-    try {
-      code = CheckOrRenewGolden(args);
-    } catch (const Error& e) {
-      error = e.what();
-    }
-    out_ = ::testing::internal::GetCapturedStdout() + error;
-    return code;
+    return Catch([&] { return CheckOrRenewGolden(args); });
   }
-  bool Said(const std::string& words) const { return out_.find(words) != std::string::npos; }
-  std::string Path() const { return (folder_ / "tiny.digests").string(); }
 
   // Changes the last digit of the digest of frame 3's roots.
   std::string SpoilOneLine() {
-    std::string text(AsText(ReadFileBytes("log", Path()).OrThrow()));
+    std::string text = test::ReadText(Path("tiny.digests"));
     const size_t at = text.find("\n3 roots roots ") + 15;
     const std::string before = text.substr(at, 16);
     text[at + 15] = text[at + 15] == '0' ? '1' : '0';
-    WriteFileBytes("log", Path(), AsBytes(text)).OrThrow();
+    folder_.Save("tiny.digests", text);
     return text.substr(at, 16) + " -> " + before;
   }
-
-  std::string out_;
-  fs::path folder_ =
-      fs::path(::testing::TempDir()) /
-      (std::string("golden_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
 };
 
 TEST_F(GoldenCommand, KeptIsComputed) {
@@ -67,7 +48,7 @@ TEST_F(GoldenCommand, KeptIsComputed) {
 
 TEST_F(GoldenCommand, AChangedLineFailsAtItsFrameAndStage) {
   SpoilOneLine();
-  EXPECT_EQ(Check(folder_.string()), 1);
+  EXPECT_EQ(Check(folder_.path().string()), 1);
   EXPECT_TRUE(Said("frame 3, stage roots, stream roots")) << out_;
   EXPECT_TRUE(Said("tiny.lod: same")) << out_;
 }
@@ -79,42 +60,42 @@ TEST_F(GoldenCommand, RenewTellsExactlyWhatChanged) {
   EXPECT_EQ(Renew(), 0);
   EXPECT_EQ(out_, "tiny frame 3 stage roots stream roots: " + change +
                       "\ntiny: 1 lines changed\ntiny.lod: nothing changed\n");
-  EXPECT_EQ(Check(folder_.string()), 0);
+  EXPECT_EQ(Check(folder_.path().string()), 0);
 }
 
 TEST_F(GoldenCommand, OtherSettingsLinesOrFramesFail) {
-  DigestLog log = ReadDigestLogFile(Path()).OrThrow();
+  DigestLog log = ReadDigestLogFile(Path("tiny.digests")).OrThrow();
   log.settings = "lod";
-  WriteDigestLogFile(log, Path()).OrThrow();
-  EXPECT_EQ(Check(folder_.string()), 1);
+  WriteDigestLogFile(log, Path("tiny.digests")).OrThrow();
+  EXPECT_EQ(Check(folder_.path().string()), 1);
   EXPECT_TRUE(Said("settings: 'lod' and ''")) << out_;
 
   log = ReadDigestLogFile(kKept + "/tiny.digests").OrThrow();
   log.columns[3].stage = "elsewhere";
-  WriteDigestLogFile(log, Path()).OrThrow();
-  EXPECT_EQ(Check(folder_.string()), 1);
+  WriteDigestLogFile(log, Path("tiny.digests")).OrThrow();
+  EXPECT_EQ(Check(folder_.path().string()), 1);
   EXPECT_TRUE(Said("the frames have other lines")) << out_;
 
   log = ReadDigestLogFile(kKept + "/tiny.digests").OrThrow();
   log.digests.resize(log.columns.size() * 19);
-  WriteDigestLogFile(log, Path()).OrThrow();
-  EXPECT_EQ(Check(folder_.string()), 1);
+  WriteDigestLogFile(log, Path("tiny.digests")).OrThrow();
+  EXPECT_EQ(Check(folder_.path().string()), 1);
   EXPECT_TRUE(Said("head frames: 19 and 20")) << out_;
 }
 
 TEST_F(GoldenCommand, AnotherCapacityIsSaidToBeSkipped) {
   for (const char* name : {"tiny.digests", "tiny.lod.digests"}) {
-    DigestLog log = ReadDigestLogFile((folder_ / name).string()).OrThrow();
+    DigestLog log = ReadDigestLogFile(Path(name)).OrThrow();
     log.chunk_strands = 64;
-    WriteDigestLogFile(log, (folder_ / name).string()).OrThrow();
+    WriteDigestLogFile(log, Path(name)).OrThrow();
   }
-  EXPECT_EQ(Check(folder_.string()), 0);
+  EXPECT_EQ(Check(folder_.path().string()), 0);
   EXPECT_TRUE(Said("tiny: skipped, it is of 64 strands per chunk and this build has 128")) << out_;
 }
 
 TEST_F(GoldenCommand, AMissingLogIsAnError) {
-  fs::remove(Path());
-  EXPECT_EQ(Check(folder_.string()), -1);
+  fs::remove(Path("tiny.digests"));
+  EXPECT_EQ(Check(folder_.path().string()), -1);
   EXPECT_TRUE(Said("no such file"));
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "bench/scenarios/scenarios.hpp"
+#include "tests/run_frame.hpp"
 
 namespace pelt {
 namespace {
@@ -48,9 +49,7 @@ TEST(GpuBound, NothingIsCoveredAlongTheViewOrBesideIt) {
 TEST(GpuBound, PassesCountWhatThereIsToDraw) {
   Scenario scenario = LoadScenario("tiny");
   RunningScenario running(scenario, SceneOptions{});
-  SerialExecutor serial;
-  running.Begin(0);
-  serial.Run(running.scene().CurrentFrame());
+  testing::RunFrame(running, 0);
   const View view = MakeView(scenario.PrepareFrame(0, running.scene()).camera);
   const std::vector<DrawPass> passes = FindDrawPasses(running.scene(), view);
   ASSERT_EQ(passes.size(), 2u);

@@ -7,20 +7,12 @@
 
 #include "bench/fit/console_price.hpp"
 #include "bench/fit/tiers.hpp"
-#include "core/file_bytes.hpp"
 #include "tests/error_from.hpp"
 #include "tests/jobs/tiny_scene.hpp"
+#include "tests/test_folder.hpp"
 
 namespace pelt {
 namespace {
-
-std::string CostsFile(const std::string& text) {
-  const std::string path = ::testing::TempDir() + "pelt_host_" +
-                           ::testing::UnitTest::GetInstance()->current_test_info()->name() +
-                           ".toml";
-  WriteFileBytes("costs", path, AsBytes(text)).OrThrow();
-  return path;
-}
 
 // Of every stage that `tiny` has, in every tier.
 HostCosts Flat(uint32_t picoseconds) {
@@ -50,11 +42,11 @@ PlatformCost PriceTiny(const HostCosts& costs) {
 }
 
 std::string CostsError(const std::string& text) {
-  return test::ErrorFrom([&] { ReadHostCosts(CostsFile(text)); });
+  return test::ErrorFrom([&] { ReadHostCosts(test::TestFile(text)); });
 }
 
 TEST(HostCosts, AreReadAsTheyWereWritten) {
-  const HostCosts costs = Flat(1234), read = ReadHostCosts(CostsFile(HostCostsText(costs)));
+  const HostCosts costs = Flat(1234), read = ReadHostCosts(test::TestFile(HostCostsText(costs)));
   EXPECT_EQ(read.processor, costs.processor);
   EXPECT_EQ(read.workers, 2u);
   EXPECT_EQ(read.frame_permille, 1000u);
@@ -98,11 +90,7 @@ double EstimateOfTiny(const FurCosts& costs) {
   lod.budget_us = 1'000'000;
   lod.costs = costs;
   RunningScenario running(tiny, {});
-  SerialExecutor serial;
-  for (uint32_t f = 0; f < 10; ++f) {
-    running.Begin(f, {}, lod);
-    serial.Run(running.scene().CurrentFrame());
-  }
+  for (uint32_t f = 0; f < 10; ++f) testing::RunFrame(running, f, {}, lod);
   return running.scene().budget().ns;
 }
 double TotalOf(const std::vector<uint64_t>& layers) {

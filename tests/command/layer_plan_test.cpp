@@ -7,23 +7,16 @@
 #include <algorithm>
 
 #include "bench/scenarios/scenarios.hpp"
-#include "core/file_bytes.hpp"
 #include "core/groom/groom_file.hpp"
 #include "tests/error_from.hpp"
+#include "tests/run_frame.hpp"
+#include "tests/test_folder.hpp"
 
 namespace pelt {
 namespace {
 
-std::string PlanFile(const std::string& text) {
-  const std::string path = ::testing::TempDir() + "pelt_plan_" +
-                           ::testing::UnitTest::GetInstance()->current_test_info()->name() +
-                           ".toml";
-  WriteFileBytes("plan", path, AsBytes(text)).OrThrow();
-  return path;
-}
-
 Scenario Planned(const std::string& text) {
-  return LoadScenario(ScenarioRequest{.scene = "tiny", .plan = PlanFile(text)});
+  return LoadScenario(ScenarioRequest{.scene = "tiny", .plan = test::TestFile(text)});
 }
 
 const LayerParams& ParamsOf(const Scenario& scenario, std::string_view name) {
@@ -32,11 +25,7 @@ const LayerParams& ParamsOf(const Scenario& scenario, std::string_view name) {
 
 uint64_t DigestOf(Scenario scenario) {
   RunningScenario running(scenario, {});
-  SerialExecutor serial;
-  for (uint32_t f = 0; f < 4; ++f) {
-    running.Begin(f);
-    serial.Run(running.scene().CurrentFrame());
-  }
+  for (uint32_t f = 0; f < 4; ++f) testing::RunFrame(running, f);
   return running.scene().DigestFrame();
 }
 
@@ -80,7 +69,7 @@ TEST(LayerPlan, IsReadAsItWasWritten) {
   const std::vector<LayerChoice> plan = {
       {0, "strand4", {Solver::kModal, ModalQuality::kFine, CurlFollows::kParent}},
       {3, "with \"quotes\" and \\", {Solver::kPbd, {}, {}, 0.125f, 0.3f}}};
-  const std::vector<LayerChoice> read = ReadLayerPlan(PlanFile(LayerPlanText(plan)));
+  const std::vector<LayerChoice> read = ReadLayerPlan(test::TestFile(LayerPlanText(plan)));
   ASSERT_EQ(read.size(), plan.size());
   for (size_t l = 0; l < plan.size(); ++l) {
     EXPECT_EQ(read[l].character, plan[l].character);

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/report/run_report.hpp"
-#include "core/modal/quality_on_screen.hpp"
+#include "core/modal/modal_quality.hpp"
 
 namespace pelt {
 namespace {

@@ -15,42 +15,36 @@
 #include "tests/error_from.hpp"
 #include "tests/groom/png.hpp"
 #include "tests/jobs/tiny_scene.hpp"
+#include "tests/test_folder.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
 
-using namespace testing;
 namespace fs = std::filesystem;
 
 class PictureShotsTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::path(::testing::TempDir()) /
-              ::testing::UnitTest::GetInstance()->current_test_info()->name();
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
     args_.width_px = 24;
     args_.height_px = 16;
   }
-  void TearDown() override { fs::remove_all(folder_); }
-  OutputPath Path(const char* name) const { return OutputPath::Of((folder_ / name).string()); }
+  OutputPath Path(const char* name) const { return OutputPath::Of(folder_ / name); }
   std::vector<std::string> Files() const {
     std::vector<std::string> names;
-    for (const auto& entry : fs::directory_iterator(folder_))
+    for (const auto& entry : fs::directory_iterator(folder_.path()))
       names.push_back(entry.path().filename().string());
     std::ranges::sort(names);
     return names;
   }
   std::vector<std::byte> Bytes(const char* name) const {
-    return ReadFileBytes("picture", (folder_ / name).string(), 1u << 24).OrThrow();
+    return ReadFileBytes("picture", folder_ / name, 1u << 24).OrThrow();
   }
   // Runs `frames` frames and takes the pictures of it.
   PictureShots Take(uint32_t frames) {
     running_.emplace(scenario_, SceneOptions{});
     PictureShots shots(args_, scenario_, running_->scene(), frames, VertexOrder::kSorted);
     for (uint32_t f = 0; f < frames; ++f) {
-      running_->Begin(f);
-      SerialExecutor().Run(running_->scene().CurrentFrame());
+      RunFrame(*running_, f);
       shots.Take(f);
     }
     shots.Finish();
@@ -58,7 +52,7 @@ class PictureShotsTest : public ::testing::Test {
     return shots;
   }
 
-  fs::path folder_;
+  const test::TestFolder folder_;
   PictureArgs args_;
   Scenario scenario_ = TinyScenario();
   std::optional<RunningScenario> running_;
@@ -74,7 +68,7 @@ TEST_F(PictureShotsTest, NothingIsDrawnThatNobodyAsksFor) {
 
 TEST_F(PictureShotsTest, TheLastFrameIsTheOneInAFolderToo) {
   args_.last = Path("last.png");
-  args_.folder = OutputPath::Of(folder_.string());
+  args_.folder = OutputPath::Of(folder_.path().string());
   args_.every = 2;
   EXPECT_EQ(Take(6).Taken(), 3u);
   EXPECT_EQ(Files(), (std::vector<std::string>{"frame-00001.png", "frame-00003.png",
@@ -84,7 +78,7 @@ TEST_F(PictureShotsTest, TheLastFrameIsTheOneInAFolderToo) {
 }
 
 TEST_F(PictureShotsTest, TimesNameFrames) {
-  args_.folder = OutputPath::Of(folder_.string());
+  args_.folder = OutputPath::Of(folder_.path().string());
   args_.times_s = {0.05, 0.0, 0.051};  // at 60 Hz frames 3, 0 and 3
   EXPECT_EQ(Take(5).Taken(), 2u);
   EXPECT_EQ(Files(), (std::vector<std::string>{"frame-00000.png", "frame-00003.png"}));
@@ -224,4 +218,4 @@ TEST(Animation, RefusesWhatIsNoPicture) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

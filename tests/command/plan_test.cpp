@@ -2,13 +2,13 @@
 // local stores, and that of a PS3 as `pelt budget` runs it.
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "bench/command/commands.hpp"
 #include "core/error.hpp"
+#include "tests/test_folder.hpp"
 
 namespace pelt {
 namespace {
@@ -154,8 +154,7 @@ TEST(PlanCommand, ForecastsByTheTimesOfARun) {
   ::testing::internal::CaptureStdout();
   ASSERT_EQ(pelt::Run(run), 0);
   const std::string text = ::testing::internal::GetCapturedStdout();
-  const std::string path = ::testing::TempDir() + "plan_times.json";
-  std::ofstream(path) << text;
+  const std::string path = test::TestFile(text, ".json");
   double stages_ms = 0.0;
   const json ran = json::parse(text);
   for (const json& stage : ran["stages"]) stages_ms += double(stage["core_ms"]["median"]);

@@ -9,11 +9,11 @@
 #include "bench/scenarios/embedded_files.hpp"
 #include "bench/scenarios/made_scenes.hpp"
 #include "core/character/builtin_character.hpp"
-#include "core/file_bytes.hpp"
 #include "core/kernels/frame_table.hpp"
 #include "jobs/frame.hpp"
 #include "tests/error_from.hpp"
 #include "tests/jobs/tiny_scene.hpp"
+#include "tests/test_folder.hpp"
 
 namespace pelt {
 namespace {
@@ -24,11 +24,7 @@ std::string LoadError(const ScenarioRequest& request) {
 
 uint64_t DigestAfter(Scenario& scenario, uint32_t frames, const SceneOptions& options = {}) {
   RunningScenario running(scenario, options);
-  SerialExecutor serial;
-  for (uint32_t f = 0; f < frames; ++f) {
-    running.Begin(f);
-    serial.Run(running.scene().CurrentFrame());
-  }
+  for (uint32_t f = 0; f < frames; ++f) testing::RunFrame(running, f);
   return running.scene().DigestFrame();
 }
 
@@ -180,16 +176,11 @@ std::set<std::string_view> KernelsThatRun(Scenario tiny) {
   std::set<std::string_view> ran;
   for (const VertexOrder order : {VertexOrder::kSorted, VertexOrder::kIndexBuffer})
     for (const uint32_t other : {0u, 1u}) {
-      SceneOptions options;
-      options.vertex_order = order;
-      options.piecewise_sort_chunks = other;
-      options.velocities = other != 0;
       tiny.origins = other != 0;
-      RunningScenario running(tiny, options);
-      SerialExecutor serial;
+      RunningScenario running(
+          tiny, {.vertex_order = order, .piecewise_sort_chunks = other, .velocities = other != 0});
       for (const uint32_t frame : {0u, 1u}) {  // an origin moves from the second frame on
-        running.Begin(frame);
-        serial.Run(running.scene().CurrentFrame());
+        testing::RunFrame(running, frame);
         for (const Stage& stage : running.scene().plan().stages)
           for (uint32_t i = 0; i < running.scene().shape().ItemCount(stage.domain); ++i)
             if (IsWanted(stage, running.scene().memory(), i)) ran.insert(stage.kernel.name);
@@ -198,36 +189,17 @@ std::set<std::string_view> KernelsThatRun(Scenario tiny) {
   return ran;
 }
 
-// `tiny` with what holds a groom up.
-Scenario SagFreeTiny() {
-  Scenario tiny = LoadScenario("tiny");
-  FurSetup setup = LoadSetup("tiny");
-  for (LayerSetup& layer : setup.layers)
-    layer.params.sag_free = layer.params.solver == Solver::kModal;
-  const float unit_scale = tiny.actors[0].unit_scale;
-  tiny.grooms[0] = BakeGroom(
-      tiny.characters[0], ComputeRestGeometry(tiny.characters[0], unit_scale), setup, unit_scale);
-  return tiny;
-}
-
 TEST(Scenarios, TinyRunsEveryKernelThereIs) {
   std::set<std::string_view> ran = KernelsThatRun(LoadScenario("tiny"));
-  ran.merge(KernelsThatRun(SagFreeTiny()));
+  ran.merge(KernelsThatRun(testing::SagFreeTiny()));
   ran.merge(KernelsThatRun(testing::EveryOutputScenario()));
-  for (const FrameRow& row : FindKernels(Isa::kReference)->rows)
-    EXPECT_TRUE(ran.count(row.kernel.name)) << row.kernel.name;
-}
-
-std::string WriteText(const std::string& text) {
-  const std::string test = ::testing::UnitTest::GetInstance()->current_test_info()->name();
-  const std::string path = ::testing::TempDir() + "pelt_scenarios_" + test + ".toml";
-  WriteFileBytes("setup", path, AsBytes(text)).OrThrow();
-  return path;
+  for (const FrameEntry& entry : FindKernels(Isa::kReference)->entries)
+    EXPECT_TRUE(ran.count(entry.kernel.name)) << entry.kernel.name;
 }
 
 // A setup of the test's own, for the built-in character.
 Scenario LoadText(const std::string& text) {
-  return LoadScenario(ScenarioRequest{.setup = WriteText(text)});
+  return LoadScenario(ScenarioRequest{.setup = test::TestFile(text)});
 }
 
 TEST(Scenarios, ASetupsLightsAreThoseOfItsScene) {
@@ -269,10 +241,9 @@ Scenario CastLitBy(const std::string& lights) {
 
 // Of characters whose setups say nothing of light, and in front of those whose do.
 TEST(Scenarios, LightsOfOnesOwnReachEveryLayer) {
-  Scenario cast = CastLitBy(WriteText("[[lights.light]]\nposition = [0, 2, 3]\n"));
+  Scenario cast = CastLitBy(test::TestFile("[[lights.light]]\nposition = [0, 2, 3]\n"));
   RunningScenario running(cast, {});
-  running.Begin(0);
-  SerialExecutor().Run(running.scene().CurrentFrame());
+  testing::RunFrame(running, 0);
   const FrameMemory& memory = running.scene().memory();
   ASSERT_EQ(running.scene().shape().layer_count, kCastLayers);
   for (uint32_t l = 0; l < kCastLayers; ++l) {
@@ -280,7 +251,7 @@ TEST(Scenarios, LightsOfOnesOwnReachEveryLayer) {
     EXPECT_GT(memory.Of<&Streams::layer_light>(l)->harmonics[0][0], 0.0f) << l;
   }
   const std::string setup =
-      WriteText("[lights.sun]\ncolour = [3, 2, 1]\n[[layer]]\nname = 'x'\nmax_strands = 32\n");
+      test::TestFile("[lights.sun]\ncolour = [3, 2, 1]\n[[layer]]\nname = 'x'\nmax_strands = 32\n");
   const Scenario other = LoadScenario({.setup = setup, .lights = "lamps"});
   EXPECT_EQ(other.base.lighting.sun_rgb[0], 1.0f);
   EXPECT_TRUE(other.grooms[0].layers[0].params.lit);
@@ -303,14 +274,17 @@ TEST(Scenarios, MistakesInLightsAreTold) {
   EXPECT_NE(error_of("lamp").find("no built-in lights 'lamp' (there are: lamps, night)"),
             std::string::npos);
   EXPECT_NE(error_of("no/such.toml").find("no/such.toml"), std::string::npos);
-  EXPECT_NE(error_of(WriteText("[[layer]]\nname = 'x'\n")).find(":1: there is no [lights] in it"),
-            std::string::npos);
-  EXPECT_NE(error_of(WriteText("\n[lights.sun]\ncolour = 3\n")).find(":3: key 'lights.sun.colour'"),
-            std::string::npos);
+  EXPECT_NE(
+      error_of(test::TestFile("[[layer]]\nname = 'x'\n")).find(":1: there is no [lights] in it"),
+      std::string::npos);
+  EXPECT_NE(
+      error_of(test::TestFile("\n[lights.sun]\ncolour = 3\n")).find(":3: key 'lights.sun.colour'"),
+      std::string::npos);
   for (const char* black : {"[lights]\n", "[lights.sun]\ncolour = [0, 0, 0]\n",
                             "[[lights.light]]\nposition = [0, 1, 0]\ncolour = [0, 0, 0]\n",
                             "[[lights.sample]]\nposition = [0, 1, 0]\n"})
-    EXPECT_NE(error_of(WriteText(black)).find("all of its [lights] are black"), std::string::npos)
+    EXPECT_NE(error_of(test::TestFile(black)).find("all of its [lights] are black"),
+              std::string::npos)
         << black;
 }
 
@@ -323,8 +297,7 @@ TEST(Scenarios, PaintAllPaintsEveryStrandOnce) {
   PaintAll(scenario, amounts);
   RunningScenario running(scenario, {});
   for (uint32_t f = 0; f < 3; ++f) {
-    running.Begin(f);
-    SerialExecutor().Run(running.scene().CurrentFrame());
+    testing::RunFrame(running, f);
     const FrameMemory& memory = running.scene().memory();
     for (uint32_t c = 0; c < running.scene().shape().chunk_count; ++c)
       for (uint32_t s = 0; s < memory.Of<&Streams::chunk_state>(c)->live_strands; ++s)
@@ -340,10 +313,7 @@ TEST(Scenarios, SameScenarioTwiceGivesTheSameBits) {
 TEST(Scenarios, InputOfAFrameDoesNotDependOnFramesBefore) {
   Scenario scenario = LoadScenario("tiny");
   RunningScenario a(scenario, {}), b(scenario, {});
-  for (uint32_t f = 0; f < 25; ++f) {
-    a.Begin(f);
-    ASSERT_EQ(SerialExecutor().Run(a.scene().CurrentFrame()), nullptr);
-  }
+  for (uint32_t f = 0; f < 25; ++f) testing::RunFrame(a, f);
   a.Begin(25);
   b.Begin(25);
   EXPECT_EQ(std::memcmp(&a.scene().Pose(0), &b.scene().Pose(0), sizeof(PoseBlock)), 0);

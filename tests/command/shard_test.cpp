@@ -92,27 +92,19 @@ TEST(Shard, AnArrayOfJobsOfSeveralProcessesIsSplitByBoth) {
 }
 
 TEST(Shard, AnEnvironmentThatSaysNothingOrTooMuchIsRefused) {
-  ExpectError([] { Parse("env"); }, "no launcher");
-  ExpectError(
-      [] {
-        Parse("env", {{"OMPI_COMM_WORLD_RANK", "1"}});
-      },
-      "OMPI_COMM_WORLD_SIZE is not set");
-  ExpectError([] { Parse("env", {{"PMI_RANK", "x"}, {"PMI_SIZE", "2"}}); }, "PMI_RANK is 'x'");
-  ExpectError([] { Parse("env", {{"PMI_RANK", "2"}, {"PMI_SIZE", "2"}}); }, "PMI_RANK is 2");
-  ExpectError(
-      [] {
-        Parse("env", {{"CI_NODE_INDEX", "0"}, {"CI_NODE_TOTAL", "2"}});
-      },
-      "CI_NODE_INDEX is 0");
-  // --array=0-8:4
-  ExpectError(
-      [] {
-        Parse("env", {{"SLURM_ARRAY_TASK_ID", "8"},
-                      {"SLURM_ARRAY_TASK_MIN", "0"},
-                      {"SLURM_ARRAY_TASK_COUNT", "3"}});
-      },
-      "SLURM_ARRAY_TASK_ID is 8");
+  const std::pair<std::map<std::string, std::string>, const char*> cases[] = {
+      {{}, "no launcher"},
+      {{{"OMPI_COMM_WORLD_RANK", "1"}}, "OMPI_COMM_WORLD_SIZE is not set"},
+      {{{"PMI_RANK", "x"}, {"PMI_SIZE", "2"}}, "PMI_RANK is 'x'"},
+      {{{"PMI_RANK", "2"}, {"PMI_SIZE", "2"}}, "PMI_RANK is 2"},
+      {{{"CI_NODE_INDEX", "0"}, {"CI_NODE_TOTAL", "2"}}, "CI_NODE_INDEX is 0"},
+      // --array=0-8:4
+      {{{"SLURM_ARRAY_TASK_ID", "8"},
+        {"SLURM_ARRAY_TASK_MIN", "0"},
+        {"SLURM_ARRAY_TASK_COUNT", "3"}},
+       "SLURM_ARRAY_TASK_ID is 8"},
+  };
+  for (const auto& c : cases) ExpectError([&] { Parse("env", c.first); }, c.second);
 }
 
 // ---- Merging ------------------------------------------------------------------------------------

@@ -13,10 +13,8 @@
 #include "tests/traces/trace_checker.hpp"
 #include "traces/chrome_trace.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 constexpr uint32_t kFrames = 6, kFrom = 3;
 
@@ -268,4 +266,4 @@ TEST(Timeline, RecordsWithoutChangingTheBits) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

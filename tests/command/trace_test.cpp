@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "bench/command/commands.hpp"
@@ -11,21 +10,16 @@
 #include "bench/verify/stage_digests.hpp"
 #include "core/file_bytes.hpp"
 #include "core/kernels/frame_table.hpp"
+#include "tests/command/command_fixture.hpp"
+#include "tests/run_frame.hpp"
 #include "tests/traces/recordings.hpp"
 #include "traces/diff.hpp"
 
 namespace pelt {
 namespace {
 
-namespace fs = std::filesystem;
-
-// A folder for one test.
-class TraceCommand : public ::testing::Test {
+class TraceCommand : public test::CommandFixture {
  protected:
-  void SetUp() override { fs::create_directories(folder_); }
-  void TearDown() override { fs::remove_all(folder_); }
-  std::string Path(const std::string& name) const { return (folder_ / name).string(); }
-
   // Records tiny; the teleport at frame 20 and the weather are in it.
   std::string RecordTiny(const std::string& name, uint32_t frames, bool lod = false,
                          VertexOrder order = VertexOrder::kSorted) const {
@@ -41,9 +35,6 @@ class TraceCommand : public ::testing::Test {
     ::testing::internal::GetCapturedStdout();
     return args.out.path();
   }
-
-  fs::path folder_ = fs::path(::testing::TempDir()) /
-                     ::testing::UnitTest::GetInstance()->current_test_info()->name();
 };
 
 ReplayResult ReplayAs(const InputLog& log, const VerifyCase& what) {
@@ -219,11 +210,8 @@ TEST_F(TraceCommand, ShowTellsWhatIsInside) {
 TEST(StageDigests, EveryValueBlockIsInExactlyOneLine) {
   Scenario tiny = LoadScenario("tiny");
   for (const bool pieces : {false, true}) {
-    SceneOptions options;
-    options.piecewise_sort_chunks = pieces;
-    RunningScenario running(tiny, options);
-    running.Begin(0);
-    SerialExecutor().Run(running.scene().CurrentFrame());
+    RunningScenario running(tiny, {.piecewise_sort_chunks = pieces});
+    testing::RunFrame(running, 0);
     const StageDigests stages(running.scene());
     DigestLog before = stages.Begin("tiny", "", VertexOrder::kSorted);
     stages.AddFrame(running.scene(), before);
@@ -254,51 +242,48 @@ TEST(StageDigests, EveryValueBlockIsInExactlyOneLine) {
   }
 }
 
-TEST(StageDigests, AFaultIsNamedAtTheStageOfItsLayersKind) {
-  Scenario tiny = LoadScenario("tiny");
-  RunningScenario good(tiny, {}), bad(tiny, {});
-  for (RunningScenario* running : {&good, &bad}) {
-    running->Begin(0);
-    SerialExecutor().Run(running->scene().CurrentFrame());
+// Two scenes after a frame, one of which a test spoils.
+class StageDigestsOfAFault : public ::testing::Test {
+ protected:
+  StageDigestsOfAFault() {
+    for (RunningScenario* running : {&good_, &bad_}) testing::RunFrame(*running, 0);
   }
-  const SceneShape& shape = bad.scene().shape();
+  auto Find() const {
+    const StageDigests stages(good_.scene());
+    DigestLog a = stages.Begin("tiny", "", VertexOrder::kSorted), b = a;
+    stages.AddFrame(good_.scene(), a);
+    stages.AddFrame(bad_.scene(), b);
+    return FindDifference(a, b);
+  }
+
+  Scenario tiny_ = LoadScenario("tiny");
+  RunningScenario good_{tiny_, {}}, bad_{tiny_, {}};
+  const SceneShape& shape_ = bad_.scene().shape();
+};
+
+TEST_F(StageDigestsOfAFault, IsNamedAtTheStageOfItsLayersKind) {
   uint32_t verlet_chunk = 0;
-  while (!(shape.layer_kind[shape.chunk_layer[verlet_chunk]] & kLayerVerlet)) ++verlet_chunk;
-  const bool five = shape.layer_kind[shape.chunk_layer[verlet_chunk]] & kLayerFivePoints;
+  while (!(shape_.layer_kind[shape_.chunk_layer[verlet_chunk]] & kLayerVerlet)) ++verlet_chunk;
+  const bool five = shape_.layer_kind[shape_.chunk_layer[verlet_chunk]] & kLayerFivePoints;
   const Stream stream =
       five ? StreamOf<&Streams::strand_points5> : StreamOf<&Streams::strand_points4>;
-  *bad.scene().memory().Block(stream, verlet_chunk) ^= std::byte{1};
-  const StageDigests stages(good.scene());
-  DigestLog a = stages.Begin("tiny", "", VertexOrder::kSorted), b = a;
-  stages.AddFrame(good.scene(), a);
-  stages.AddFrame(bad.scene(), b);
-  const auto found = FindDifference(a, b);
+  *bad_.scene().memory().Block(stream, verlet_chunk) ^= std::byte{1};
+  const auto found = Find();
   ASSERT_TRUE(found);
   EXPECT_EQ(found->place[1].second, five ? "simulate_verlet_5" : "simulate_verlet_4");
 }
 
 // What is a patch's belongs to the stage of its layer's kind too, regardless of which chunk has its number.
-TEST(StageDigests, AFaultOfAPatchIsNamedAtTheStageOfItsLayersKind) {
-  Scenario tiny = LoadScenario("tiny");
-  RunningScenario good(tiny, {}), bad(tiny, {});
-  for (RunningScenario* running : {&good, &bad}) {
-    running->Begin(0);
-    SerialExecutor().Run(running->scene().CurrentFrame());
-  }
-  const SceneShape& shape = bad.scene().shape();
-  const StageDigests stages(good.scene());
+TEST_F(StageDigestsOfAFault, OfAPatchIsNamedAtTheStageOfItsLayersKind) {
   for (const bool modal : {false, true}) {
     uint32_t patch = 0;
-    while (!(shape.layer_kind[shape.patch_layer[patch]] & kLayerVertexChains) ||
-           ((shape.layer_kind[shape.patch_layer[patch]] & kLayerModal) != 0) != modal)
+    while (!(shape_.layer_kind[shape_.patch_layer[patch]] & kLayerVertexChains) ||
+           ((shape_.layer_kind[shape_.patch_layer[patch]] & kLayerModal) != 0) != modal)
       ++patch;
-    std::byte& spoilt = *bad.scene().memory().Block(StreamOf<&Streams::vertex_loads>, patch);
+    std::byte& spoilt = *bad_.scene().memory().Block(StreamOf<&Streams::vertex_loads>, patch);
     spoilt ^= std::byte{1};
-    DigestLog a = stages.Begin("tiny", "", VertexOrder::kSorted), b = a;
-    stages.AddFrame(good.scene(), a);
-    stages.AddFrame(bad.scene(), b);
+    const auto found = Find();
     spoilt ^= std::byte{1};
-    const auto found = FindDifference(a, b);
     ASSERT_TRUE(found);
     EXPECT_EQ(found->place[1].second, modal ? "chain_loads" : "chain_displacements");
     EXPECT_EQ(found->place[2].second, "vertex_loads");
@@ -310,14 +295,11 @@ TEST(StageDigests, WholeAndPiecewiseSortCompare) {
   Scenario tiny = LoadScenario("tiny");
   std::vector<DigestLog> logs;
   for (const bool pieces : {false, true}) {
-    SceneOptions options;
-    options.piecewise_sort_chunks = pieces;
-    RunningScenario running(tiny, options);
+    RunningScenario running(tiny, {.piecewise_sort_chunks = pieces});
     const StageDigests stages(running.scene());
     logs.push_back(stages.Begin("tiny", "", VertexOrder::kSorted));
     for (uint32_t f = 0; f < 3; ++f) {
-      running.Begin(f);
-      SerialExecutor().Run(running.scene().CurrentFrame());
+      testing::RunFrame(running, f);
       stages.AddFrame(running.scene(), logs.back());
     }
   }

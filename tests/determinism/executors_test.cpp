@@ -11,10 +11,8 @@
 #include "platform_sim/local_store.hpp"
 #include "tests/jobs/tiny_scene.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 constexpr uint32_t kFrames = 24;
 
@@ -24,8 +22,7 @@ class WholeFrame : public ::testing::Test {
   static const std::vector<uint64_t>& Truth() {
     static const std::vector<uint64_t> kTruth = [] {
       Scenario scenario = EveryOutputScenario();
-      SerialExecutor serial;
-      return RunDigests(scenario, OptionsFor(Isa::kReference), serial, kFrames);
+      return RunDigests(scenario, OptionsFor(Isa::kReference), kFrames);
     }();
     return kTruth;
   }
@@ -80,8 +77,7 @@ TEST_F(WholeFrame, IsTheSameInLocalStoreWithoutFaults) {
       options.plan.fuse = fuse;
       LocalStoreExecutor local(options.plan.local_store_data_bytes);
       ExpectTruth(options, local, fuse ? "fused" : "unfused");
-      for (const LocalStoreFault& f : local.faults())
-        ADD_FAILURE() << f.stage << ", item " << f.item << ": " << f.what;
+      ExpectNoFaults(local);
       EXPECT_GT(local.counts().get_bytes, 0u);
       EXPECT_LE(local.counts().peak_bytes, options.plan.local_store_data_bytes);
     }
@@ -113,14 +109,12 @@ TEST_F(WholeFrame, EveryVertexInUseLives) {
   RunningScenario running(scenario, OptionsFor(BestIsa()));
   const FrameMemory& memory = running.scene().memory();
   const SceneShape& shape = running.scene().shape();
-  SerialExecutor serial;
   uint32_t used = 0, idle = 0;
   for (uint32_t f = 0; f < kFrames; ++f) {
     LodSettings lod;
     lod.hysteresis = 0.0f;
     lod.strand_budget = uint32_t(scenario.StrandCount()) * (f % 8 + 1) / 9;
-    running.Begin(f, {.lod = true}, lod);
-    serial.Run(running.scene().CurrentFrame());
+    RunFrame(running, f, {.lod = true}, lod);
     for (uint32_t c = 0; c < shape.chunk_count; ++c) {
       const StrandBlock& strands = *memory.Of<&Streams::strands>(c);
       const uint32_t live = memory.Of<&Streams::chunk_state>(c)->live_strands;
@@ -147,23 +141,15 @@ TEST_F(WholeFrame, EveryVertexInUseLives) {
 // Vertices in strand order are those in draw order, each where the order says.
 TEST_F(WholeFrame, VertexOrdersHoldTheSameVertices) {
   Scenario scenario = EveryOutputScenario();
-  SceneOptions unsorted_options = OptionsFor(BestIsa());
-  unsorted_options.vertex_order = VertexOrder::kIndexBuffer;
-  RunningScenario sorted_run(scenario, OptionsFor(BestIsa())),
-      unsorted_run(scenario, unsorted_options);
+  RunningScenario sorted_run(scenario, {}),
+      unsorted_run(scenario, {.vertex_order = VertexOrder::kIndexBuffer});
   const FurScene &sorted = sorted_run.scene(), &unsorted = unsorted_run.scene();
-  SerialExecutor serial;
-  for (uint32_t f = 0; f < 4; ++f) {
-    sorted_run.Begin(f);
-    serial.Run(sorted.CurrentFrame());
-    unsorted_run.Begin(f);
-    serial.Run(unsorted.CurrentFrame());
-  }
+  for (uint32_t f = 0; f < 4; ++f) RunFrame(sorted_run, f), RunFrame(unsorted_run, f);
   uint32_t compared = 0;
   for (uint32_t l = 0; l < sorted.shape().layer_count; ++l) {
     const uint32_t first = sorted.shape().layer_first_chunk[l];
     const auto& count = *sorted.memory().Of<&Streams::layer_sort>(l);
-    const OutputRow& output = kOutputs[OutputOf(sorted.shape().layer_kind[l])];
+    const OutputEntry& output = kOutputs[OutputOf(sorted.shape().layer_kind[l])];
     if (!output.OfStrands()) {
       const uint32_t first_patch = sorted.shape().layer_first_patch[l];
       ASSERT_GT(sorted.shape().LayerPatches(l), 0u);
@@ -193,4 +179,4 @@ TEST_F(WholeFrame, VertexOrdersHoldTheSameVertices) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

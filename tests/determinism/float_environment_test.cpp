@@ -25,10 +25,8 @@
 #include <xmmintrin.h>
 #endif
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 // The worst an engine's thread may bring along, and back again on the way out.
 class OddThread {
@@ -174,7 +172,7 @@ TEST(FloatEnvironment, WholeFrameIsTheSameOnAnOddThread) {
 
 // ---- What computes outside a frame ----------------------------------------------------------------
 
-class Bytes {
+class ByteDigest {
  public:
   template <class T>
   void Add(const T& value) {
@@ -193,7 +191,7 @@ class Bytes {
 
 struct PublicCall {
   const char* name;
-  std::function<void(Bytes&)> call;
+  std::function<void(ByteDigest&)> call;
 };
 
 constexpr const char* kSetup =
@@ -204,48 +202,48 @@ constexpr const char* kSetup =
     "length = { value = 0.0333, randomise = 0.31 }\n"
     "max_strands = 200\n";
 
-void AddGroom(const Groom& groom, Bytes& out) { out.AddAll(WriteGroom(groom).OrThrow()); }
+void AddGroom(const Groom& groom, ByteDigest& out) { out.AddAll(WriteGroom(groom).OrThrow()); }
 
 // Every function of a public header that works out a value which ends up in a frame or a groom.
 std::vector<PublicCall> PublicCalls(Scenario& scenario, FurScene& ran) {
   const Character& character = scenario.characters[0];
   const Groom& groom = scenario.grooms[0];
-  const auto pose = [&character](Bytes& out, const Clip* clip, float turn) {
+  const auto pose = [&character](ByteDigest& out, const Clip* clip, float turn) {
     const glm::mat4 root = PlaceCharacter(glm::mat4(turn), 0.0123f);
     out.Add(MakePose(character.skeleton, clip, 0.4321, true, root));
   };
   return {
       {"FillBindPose",
-       [&groom](Bytes& out) {
+       [&groom](ByteDigest& out) {
          auto filled = std::make_unique<PoseBlock>();
          FillBindPose(groom, *filled);
          out.Add(*filled);
        }},
       {"PlaceInMesh",
-       [&groom](Bytes& out) {
+       [&groom](ByteDigest& out) {
          double place[3];
          PlaceInMesh(groom.skeleton, 3, {0.1f, 0.2f, 0.3f}, place);
          out.Add(place);
        }},
-      {"FillPose", [&, pose](Bytes& out) { pose(out, &character.clips[0], 0.77f); }},
+      {"FillPose", [&, pose](ByteDigest& out) { pose(out, &character.clips[0], 0.77f); }},
       {"FillPoseRates",
-       [&character](Bytes& out) {
+       [&character](ByteDigest& out) {
          auto rates = std::make_unique<PoseRateBlock>();
          FillPoseRates(&character.clips[0], 0.4321, true, 1.1, glm::mat4(0.3f), rates.get());
          out.Add(*rates);
        }},
       {"ComputeRestGeometry",
-       [&character](Bytes& out) {
+       [&character](ByteDigest& out) {
          const RestGeometry rest = ComputeRestGeometry(character, 0.0123f);
          out.AddAll(rest.position);
          out.AddAll(rest.normal);
          out.AddAll(rest.tangent);
        }},
       {"DefaultUnitScale",
-       [&character](Bytes& out) { out.Add(DefaultUnitScale(character).metres_per_unit); }},
-      {"MakeBuiltinCharacterGlb", [](Bytes& out) { out.AddAll(MakeBuiltinCharacterGlb({})); }},
+       [&character](ByteDigest& out) { out.Add(DefaultUnitScale(character).metres_per_unit); }},
+      {"MakeBuiltinCharacterGlb", [](ByteDigest& out) { out.AddAll(MakeBuiltinCharacterGlb({})); }},
       {"ImportGltf",
-       [glb = MakeBuiltinCharacterGlb({})](Bytes& out) {
+       [glb = MakeBuiltinCharacterGlb({})](ByteDigest& out) {
          const Character read = ImportGltf(glb, "builtin");
          out.AddAll(read.mesh.position);
          out.AddAll(read.mesh.normal);
@@ -254,21 +252,21 @@ std::vector<PublicCall> PublicCalls(Scenario& scenario, FurScene& ran) {
            for (const Track& track : clip.tracks) out.AddAll(track.value);
        }},
       {"ReadFurSetup and BakeGroom",
-       [&character](Bytes& out) {
+       [&character](ByteDigest& out) {
          AddGroom(BakeGroom(character, ComputeRestGeometry(character, 0.01f),
                             ReadFurSetup(kSetup, "setup", "."), 0.01f),
                   out);
        }},
       {"ReadLights and MakeLighting",
-       [](Bytes& out) {
+       [](ByteDigest& out) {
          const Lighting lighting = MakeLighting(ReadLights(
              "[lights.sun]\ndirection = [0.3, 0.9, 0.1]\ncolour = [1.1, 0.7, 0.3]\n", "l"));
          out.Add(lighting.sun_direction);
          out.Add(lighting.sun_rgb);
        }},
-      {"MakeFurTexture", [](Bytes& out) { out.AddAll(MakeFurTexture({})); }},
+      {"MakeFurTexture", [](ByteDigest& out) { out.AddAll(MakeFurTexture({})); }},
       {"modal materials",
-       [](Bytes& out) {
+       [](ByteDigest& out) {
          out.Add(StrandMaterial(4, 3.7, 0.05, 2.9).stiffness);
          out.Add(StrandMaterial(9, 3.7, 0.05, 2.9).rest);
          out.Add(GammaOf(3.7, 0.05, 9.81));
@@ -276,13 +274,13 @@ std::vector<PublicCall> PublicCalls(Scenario& scenario, FurScene& ran) {
          out.Add(RodFrequency(1.0e-9, 3.0e-5, 0.07));
        }},
       {"MakeView",
-       [](Bytes& out) {
+       [](ByteDigest& out) {
          Camera camera;
          camera.eye[0] = 0.37f;
          out.Add(MakeView(camera).planes);
        }},
       {"CopyCurves",
-       [&ran](Bytes& out) {
+       [&ran](ByteDigest& out) {
          for (uint32_t l = 0; l < ran.shape().layer_count; ++l) {
            std::vector<StrandCurve> curves(size_t(ran.shape().LayerChunks(l)) * kStrandsPerChunk);
            curves.resize(ran.CopyCurves(l, curves));
@@ -290,7 +288,7 @@ std::vector<PublicCall> PublicCalls(Scenario& scenario, FurScene& ran) {
          }
        }},
       {"Create, ReplaceGrooms and a first frame",
-       [&scenario](Bytes& out) {
+       [&scenario](ByteDigest& out) {
          const std::vector<const Groom*> grooms = scenario.ActorGrooms();
          const auto made = FurScene::Create(grooms).OrThrow();
          EXPECT_TRUE(made->ReplaceGrooms(grooms));
@@ -305,16 +303,12 @@ std::vector<PublicCall> PublicCalls(Scenario& scenario, FurScene& ran) {
 TEST(FloatEnvironment, EveryPublicFunctionProtectsWhatItComputes) {
   Scenario scenario = TinyScenario();
   RunningScenario running(scenario, {});
-  SerialExecutor serial;
-  for (uint32_t f = 0; f < 3; ++f) {
-    running.Begin(f);
-    serial.Run(running.scene().CurrentFrame());
-  }
+  for (uint32_t f = 0; f < 3; ++f) RunFrame(running, f);
   for (const PublicCall& call : PublicCalls(scenario, running.scene())) {
-    Bytes plain;
+    ByteDigest plain;
     call.call(plain);
     for (const int rounding : {FE_TONEAREST, FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO}) {
-      Bytes odd_bytes;
+      ByteDigest odd_bytes;
       {
         const OddThread odd(rounding);
         call.call(odd_bytes);
@@ -325,4 +319,4 @@ TEST(FloatEnvironment, EveryPublicFunctionProtectsWhatItComputes) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <sstream>
 
@@ -20,11 +19,10 @@
 #include "tests/determinism/lane_call.hpp"
 #include "tests/determinism/random_scene.hpp"
 #include "tests/source_folder.hpp"
+#include "tests/test_folder.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 constexpr uint32_t kOrders = 6;        // of the lanes, each time a stage is looked at
 constexpr uint32_t kAlone = 3;         // and each group made of one of its lanes
@@ -145,21 +143,17 @@ TEST(Lanes, DependOnThemselvesAlone) {
   GTEST_SKIP() << "two frames alone: kernels that are not optimised take minutes";
 #endif
   if (HasFailure()) return;
-  for (const FrameRow& row : FindKernels(Isa::kReference)->rows) {
+  for (const FrameEntry& entry : FindKernels(Isa::kReference)->entries) {
     // The three that activate write no lanes.
-    if (!IsInLayer(row.domain) || !IsByLane(row.kernel) || row.kernel.name.starts_with("activate"))
+    if (!IsInLayer(entry.domain) || !IsByLane(entry.kernel) ||
+        entry.kernel.name.starts_with("activate"))
       continue;
-    EXPECT_GE(LaneExecutor::Draws()[std::string(row.kernel.name)], kLeastDraws) << row.kernel.name;
+    EXPECT_GE(LaneExecutor::Draws()[std::string(entry.kernel.name)], kLeastDraws)
+        << entry.kernel.name;
   }
 }
 
 // ---- The list ----------------------------------------------------------------------------------
-
-std::string ReadText(const std::string& path) {
-  std::ifstream file(path);
-  EXPECT_TRUE(file) << path;
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 // Calls of what asks a whole group, as "file: text", spaces as one.
 std::vector<std::string> FindQuestions() {
@@ -169,7 +163,7 @@ std::vector<std::string> FindQuestions() {
          std::filesystem::directory_iterator(test::SourceFolder() + "/" + folder)) {
       std::string text, name = entry.path().filename().string();
       if (entry.path().extension() != ".hpp") continue;
-      std::istringstream lines(ReadText(entry.path().string()));
+      std::istringstream lines(test::ReadText(entry.path().string()));
       for (std::string line; std::getline(lines, line);)
         if (line.find("friend bool") == line.npos) text += line.substr(0, line.find("//")) + ' ';
       for (const std::string_view word : {"Any(", "AllSet(", "HasColliders()", "colliders.moves"})
@@ -186,7 +180,7 @@ std::vector<std::string> FindQuestions() {
 
 TEST(Lanes, EveryQuestionToAGroupIsListed) {
   std::vector<std::string> found = FindQuestions();
-  std::istringstream lines(ReadText(test::SourceFolder() + "/core/kernels/README.md"));
+  std::istringstream lines(test::ReadText(test::SourceFolder() + "/core/kernels/README.md"));
   for (std::string line; std::getline(lines, line);) {
     // - file.hpp: `Any(what)` why it cannot be seen
     const size_t open = line.find(": `"), close = line.find("` ");
@@ -203,4 +197,4 @@ TEST(Lanes, EveryQuestionToAGroupIsListed) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

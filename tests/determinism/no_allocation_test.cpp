@@ -72,10 +72,8 @@ void free(void* p) {
 }
 #endif
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 uint64_t Calls() { return g_allocations + g_frees; }
 
@@ -163,4 +161,4 @@ TEST(NoAllocation, OneTbbFrameOnceItsPoolsAreWarm) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

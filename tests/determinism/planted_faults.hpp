@@ -37,9 +37,18 @@ PELT_INLINE uint32_t BitsOf(float value) {
   return bits;
 }
 
-struct Advance {
-  static constexpr std::string_view kName = "advance";
+// What most kernels below have: the ports of `derive` and of what stands in for it.
+struct FaultKernel {
   using Params = FaultParams;
+  struct Ports {
+    In<&Toys::baked> baked;
+    In<&Toys::keys> keys;
+    Out<&Toys::order> order;
+  };
+};
+
+struct Advance : FaultKernel {
+  static constexpr std::string_view kName = "advance";
   struct Ports {
     InOut<&Toys::keys> keys;
   };
@@ -48,31 +57,20 @@ struct Advance {
   }
 };
 
-// Ports of `derive` and of what stands in for it.
-struct DerivePorts {
-  In<&Toys::baked> baked;
-  In<&Toys::keys> keys;
-  Out<&Toys::order> order;
-};
-
 // The right result, which every faulty kernel starts from.
-PELT_INLINE void DeriveOrder(const DerivePorts& ports) {
+PELT_INLINE void DeriveOrder(const FaultKernel::Ports& ports) {
   for (uint32_t i = 0; i < kToyLanes; ++i)
     ports.order->place[i] = Mix(ports.keys->key[i], BitsOf(ports.baked->a[0][i]));
 }
 
-struct Derive {
+struct Derive : FaultKernel {
   static constexpr std::string_view kName = "derive";
-  using Params = FaultParams;
-  using Ports = DerivePorts;
   static void Run(const Params&, const Ports& ports) { DeriveOrder(ports); }
 };
 
 // Reads the next chunk's keys, which `advance` changes in the same pass.
-struct ReadsMovingNeighbour {
+struct ReadsMovingNeighbour : FaultKernel {
   static constexpr std::string_view kName = "reads_moving_neighbour";
-  using Params = FaultParams;
-  using Ports = DerivePorts;
   static void Run(const Params&, const Ports& ports) {
     DeriveOrder(ports);
     ports.order->place[0] ^= Launder(ports.keys.block)[1].key[0];
@@ -80,20 +78,16 @@ struct ReadsMovingNeighbour {
 };
 
 // Reads the next chunk's baked rows, which nothing writes: no order of execution shows it.
-struct ReadsConstantNeighbour {
+struct ReadsConstantNeighbour : FaultKernel {
   static constexpr std::string_view kName = "reads_constant_neighbour";
-  using Params = FaultParams;
-  using Ports = DerivePorts;
   static void Run(const Params&, const Ports& ports) {
     DeriveOrder(ports);
     ports.order->place[0] ^= BitsOf(Launder(ports.baked.block)[1].a[0][0]);
   }
 };
 
-struct WritesThroughConstCast {
+struct WritesThroughConstCast : FaultKernel {
   static constexpr std::string_view kName = "writes_through_const_cast";
-  using Params = FaultParams;
-  using Ports = DerivePorts;
   static void Run(const Params&, const Ports& ports) {
     DeriveOrder(ports);
     const_cast<KeyBlock*>(Launder(ports.keys.block))->key[3] ^= 1u;
@@ -101,10 +95,8 @@ struct WritesThroughConstCast {
 };
 
 // Counts its runs: what an item gets depends on how many ran before it.
-struct KeepsStaticState {
+struct KeepsStaticState : FaultKernel {
   static constexpr std::string_view kName = "keeps_static_state";
-  using Params = FaultParams;
-  using Ports = DerivePorts;
   static inline uint32_t runs = 0;
   static void Run(const Params&, const Ports& ports) {
     DeriveOrder(ports);
@@ -113,10 +105,8 @@ struct KeepsStaticState {
 };
 
 // Looks at what it declared Out: last frame's order in main memory.
-struct ReadsItsOut {
+struct ReadsItsOut : FaultKernel {
   static constexpr std::string_view kName = "reads_its_out";
-  using Params = FaultParams;
-  using Ports = DerivePorts;
   static void Run(const Params&, const Ports& ports) {
     const uint32_t before = Launder(ports.order.block)->place[0];
     DeriveOrder(ports);
@@ -125,10 +115,8 @@ struct ReadsItsOut {
 };
 
 // Writes one lane past its block: the next chunk's first lane in main memory.
-struct WritesPastItsBlock {
+struct WritesPastItsBlock : FaultKernel {
   static constexpr std::string_view kName = "writes_past_its_block";
-  using Params = FaultParams;
-  using Ports = DerivePorts;
   static void Run(const Params&, const Ports& ports) {
     DeriveOrder(ports);
     Launder(ports.order->place)[kToyLanes] = 7;
@@ -137,9 +125,8 @@ struct WritesPastItsBlock {
 
 // Reads the keys of every chunk of its layer, found by going back from its own block, as if `In`
 // were `All`: no barrier is derived for that.
-struct ReachesAcrossTheLayer {
+struct ReachesAcrossTheLayer : FaultKernel {
   static constexpr std::string_view kName = "reaches_across_the_layer";
-  using Params = FaultParams;
   struct Ports {
     In<&Toys::state> state;
     In<&Toys::keys> keys;
@@ -155,9 +142,8 @@ struct ReachesAcrossTheLayer {
 
 // The same wish, declared: the first chunk's keys as the first records of a gather. The plan puts a
 // barrier in front.
-struct GathersAcrossTheLayer {
+struct GathersAcrossTheLayer : FaultKernel {
   static constexpr std::string_view kName = "gathers_across_the_layer";
-  using Params = FaultParams;
   struct Ports {
     In<&Toys::pairs_a> list;
     In<&Toys::keys> keys;
@@ -172,9 +158,8 @@ struct GathersAcrossTheLayer {
 
 // Scatters every strand to a place of its own; the faulty one gives every chunk the same places.
 template <bool kCollide>
-struct ScatterStrands {
+struct ScatterStrands : FaultKernel {
   static constexpr std::string_view kName = kCollide ? "scatter_collides" : "scatter_strands";
-  using Params = FaultParams;
   struct Ports {
     In<&Toys::state> state;
     In<&Toys::keys> keys;
@@ -190,9 +175,8 @@ struct ScatterStrands {
 // Sums all lanes of a row. In single floats a sum depends on its order, and so on the lane count;
 // the healthy kernel adds one strand after the other for every V.
 template <class V, bool kByLanes>
-struct SumRow {
+struct SumRow : FaultKernel {
   static constexpr std::string_view kName = kByLanes ? "sum_by_lanes" : "sum_in_order";
-  using Params = FaultParams;
   struct Ports {
     In<&Toys::baked> baked;
     InOut<&Toys::keys> keys;
@@ -215,9 +199,8 @@ struct SumRow {
 // planted_contraction.cpp builds it again with contraction allowed; the tag keeps the two functions
 // apart.
 template <class Tag>
-struct MultiplyAdd {
+struct MultiplyAdd : FaultKernel {
   static constexpr std::string_view kName = "multiply_add";
-  using Params = FaultParams;
   struct Ports {
     In<&Toys::baked> baked;
     Out<&Toys::made> made;

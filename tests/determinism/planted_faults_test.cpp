@@ -29,10 +29,8 @@
 #include "platform_sim/local_store.hpp"
 #include "tests/jobs/synthetic_scene.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 const std::vector<LayerSpec> kLayers = {{0, 0, 4}, {0, 0, 3}};
 
@@ -181,10 +179,8 @@ TEST(PlantedFaults, CollidingScatterIsCaughtByOrder) {
   EXPECT_TRUE(Judge(FrameOf<ScatterStrands<true>>()).order_matters);
 }
 
-struct ScattersOutside {
+struct ScattersOutside : ScatterStrands<false> {
   static constexpr std::string_view kName = "scatters_outside";
-  using Params = FaultParams;
-  using Ports = ScatterStrands<false>::Ports;
   static void Run(const Params&, const Ports& ports) {
     for (uint32_t i = 0; i < kToyLanes; ++i)
       ports.order.Put(i, 4 * kToyLanes + i, ports.keys->key[i]);
@@ -285,17 +281,16 @@ uint64_t SortScene(const std::vector<Stage>& stages, uint32_t* first_unstable) {
   SyntheticSceneOf<Streams> scene(layers);
   const SceneShape& shape = scene.shape();
   for (uint32_t c = 0; c < shape.chunk_count; ++c) {
-    for (uint32_t& key : scene.Block<SortKeyBlock>(StreamOf<&Streams::sort_keys>, c).key)
-      key &= 0x30005u;
-    scene.Block<ChunkStateBlock>(StreamOf<&Streams::chunk_state>, c).first_place =
+    for (uint32_t& key : scene.Of<&Streams::sort_keys>(c).key) key &= 0x30005u;
+    scene.Of<&Streams::chunk_state>(c).first_place =
         (c - shape.layer_first_chunk[shape.chunk_layer[c]]) * kStrandsPerChunk;
   }
   const Plan plan = CompilePlan(stages, scene.shape(), {}).OrThrow();
   PermutedExecutor executor(5);
   executor.Run({&plan, &scene.memory()});
   const uint32_t places = scene.shape().LayerChunks(0) * kStrandsPerChunk;
-  const uint32_t* keys = scene.Block<SortKeyBlock>(StreamOf<&Streams::sort_keys>, 0).key;
-  const uint32_t* order = scene.Block<OrderBlock>(StreamOf<&Streams::order>, 0).strand;
+  const uint32_t* keys = scene.Of<&Streams::sort_keys>(0).key;
+  const uint32_t* order = scene.Of<&Streams::order>(0).strand;
   uint32_t at = 1;
   while (at < places && (keys[order[at - 1]] < keys[order[at]] ||
                          (keys[order[at - 1]] == keys[order[at]] && order[at - 1] < order[at])))
@@ -358,4 +353,4 @@ static_assert(!CanWriteIndexed<All<&Toys::keys>> &&
               !CanWriteIndexed<GatherBlocks<&Toys::keys, &Toys::order>>);
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

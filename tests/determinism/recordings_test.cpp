@@ -7,19 +7,16 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <cstring>
-#include <fstream>
 
+#include "core/file_bytes.hpp"
 #include "core/groom/groom_file.hpp"
 #include "core/kernels/frame_table.hpp"
 #include "tests/jobs/tiny_scene.hpp"
 #include "tests/source_folder.hpp"
 #include "traces/input_log.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 struct Recording {
   const char* name;
@@ -79,7 +76,6 @@ std::vector<std::byte> Record(const Recording& recording, Isa isa) {
   scenario.actors[0].clip = -1;
   scenario.actors[0].teleport_frame = -1;
   RunningScenario running(scenario, OptionsFor(isa));
-  SerialExecutor serial;
   InputLogWriter writer;
   const std::vector<std::byte> groom = WriteGroom(scenario.grooms[0]).OrThrow();
   const std::span<const std::byte> grooms[] = {groom};
@@ -95,8 +91,7 @@ std::vector<std::byte> Record(const Recording& recording, Isa isa) {
       for (uint32_t k = 0; k < 3; ++k)
         in.sphere[s][k] += recording.velocity[k] * float(f) * float(in.dt_s);
     }
-    EXPECT_EQ(BeginError(running.scene(), in), "");
-    serial.Run(running.scene().CurrentFrame());
+    RunInput(running.scene(), in);
     EXPECT_EQ(writer.AddFrame(in, {&running.scene().Pose(0), 1}, running.scene().DigestFrame()),
               nullptr);
   }
@@ -108,22 +103,16 @@ TEST(Recordings, AreTheSameFromEveryInstructionSet) {
   for (const Recording& recording : kRecordings) {
     const std::string path =
         test::SourceFolder() + "/traces/golden/" + recording.name + ".peltinput";
-    if (std::getenv("PELT_RENEW")) {
-      const std::vector<std::byte> bytes = Record(recording, Isa::kReference);
-      std::ofstream(path, std::ios::binary)
-          .write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
-    }
-    std::ifstream file(path, std::ios::binary);
-    const std::string kept{std::istreambuf_iterator<char>(file), {}};
-    for (const Isa isa : kAllIsas) {
-      if (!FindKernels(isa)) continue;
-      const std::vector<std::byte> bytes = Record(recording, isa);
-      EXPECT_TRUE(bytes.size() == kept.size() &&
-                  std::memcmp(bytes.data(), kept.data(), kept.size()) == 0)
-          << recording.name << " on " << IsaName(isa) << " is not " << path;
-    }
+    if (std::getenv("PELT_RENEW"))
+      WriteFileBytes("recording", path, Record(recording, Isa::kReference)).OrThrow();
+    const std::vector<std::byte> kept = ReadFileBytes("recording", path).OrThrow();
+    for (const Isa isa : kAllIsas)
+      if (FindKernels(isa)) {
+        EXPECT_TRUE(Record(recording, isa) == kept)
+            << recording.name << " on " << IsaName(isa) << " is not " << path;
+      }
   }
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

@@ -10,12 +10,11 @@
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <new>
 #include <string>
 #include <vector>
 
+#include "core/file_bytes.hpp"
 #include "core/random.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
@@ -60,10 +59,7 @@ namespace pelt::fuzz {
 namespace {
 
 std::vector<std::byte> ReadAll(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  const std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  const auto bytes = std::as_bytes(std::span(text));
-  return {bytes.begin(), bytes.end()};
+  return ReadFileBytes("file", path.string()).OrThrow();
 }
 
 std::vector<std::byte> Mutate(std::vector<std::byte> bytes, Random& random) {

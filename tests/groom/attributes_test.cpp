@@ -8,15 +8,13 @@
 
 #include "tests/groom/torus_character.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
 
-using test::MakeMap;
-
-struct Fixture : test::CoatedTorus {
+struct Fixture : CoatedTorus {
   Fixture() {
     layer.name = "coat";
-    layer.density = float(2000.0 / test::AreaOf(character, rest));
+    layer.density = float(2000.0 / AreaOf(character, rest));
     Scatter();
   }
 };
@@ -28,10 +26,6 @@ Attribute Varying(float value, float randomise) {
 }
 
 float WidthOf(const GroomedStrand& strand) { return strand.stored[PlaceOf(&LayerSetup::width)]; }
-
-double Degrees(const glm::dvec3& a, const glm::dvec3& b) {
-  return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * 180.0 / M_PI;
-}
 
 TEST(RestShape, SegmentsAreEqualAndAddUpToTheLength) {
   for (const uint32_t points : {4u, 5u}) {
@@ -71,7 +65,7 @@ TEST(RestShape, TwistTurnsThePlaneOfTheCurl) {
   glm::dvec3 before = twisted.offset[0];
   for (int i = 1; i < 4; ++i) {
     const glm::dvec3 step = twisted.offset[i] - twisted.offset[i - 1];
-    EXPECT_NEAR(Degrees(before, step), 0.25 * 180 / M_PI, 1e-9);
+    EXPECT_NEAR(DegreesBetween(before, step), 0.25 * 180 / M_PI, 1e-9);
     before = step;
   }
 }
@@ -139,7 +133,7 @@ TEST(Attributes, FrizzTiltsByAtMostItsAngleAndDirectionTurns) {
   const glm::dvec3 combed(0.5, 0.0, std::sqrt(0.75));
   double most = 0.0, sum = 0.0;
   for (const GroomedStrand& s : f.Groom()) {
-    const double tilt = Degrees(s.rest.offset[0], combed);
+    const double tilt = DegreesBetween(s.rest.offset[0], combed);
     most = std::max(most, tilt);
     sum += tilt;
   }
@@ -150,7 +144,7 @@ TEST(Attributes, FrizzTiltsByAtMostItsAngleAndDirectionTurns) {
   f.layer.frizz = Attribute(0.0f);
   f.layer.direction = Attribute(90.0f);
   for (const GroomedStrand& s : f.Groom()) {
-    EXPECT_LT(Degrees(s.rest.offset[0], {0.0, 0.5, std::sqrt(0.75)}), 1e-6);
+    EXPECT_LT(DegreesBetween(s.rest.offset[0], {0.0, 0.5, std::sqrt(0.75)}), 1e-6);
   }
 }
 
@@ -236,4 +230,4 @@ TEST(Attributes, LiftVariesByVertexInsideItsRange) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

@@ -13,7 +13,7 @@
 #include "tests/groom/groom_validator.hpp"
 #include "tests/groom/torus_character.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
 
 struct Hash {
@@ -48,7 +48,7 @@ FurSetup MakeTinySetup() {
   coat.name = "coat";
   coat.density = 1500.0f;
   coat.density_randomise = 0.3f;
-  coat.density_map = test::MakeMap([](float u, float v) { return 0.5f + 0.5f * u * v; });
+  coat.density_map = MakeMap([](float u, float v) { return 0.5f + 0.5f * u * v; });
   coat.length.randomise = 0.4f;
   coat.width.randomise = 0.4f;
   coat.azimuth = Attribute(30.0f);
@@ -76,14 +76,16 @@ FurSetup MakeTinySetup() {
   return setup;
 }
 
-Groom BakeTiny() {
-  const Character character = test::MakeTorus({.around = 24, .across = 8});
-  return BakeGroom(character, ComputeRestGeometry(character, 1.0f), MakeTinySetup(), 1.0f);
+Character MakeTinyTorus() { return MakeTorus({.around = 24, .across = 8}); }
+
+Groom BakeTiny(const FurSetup& setup = MakeTinySetup(),
+               const Character& character = MakeTinyTorus()) {
+  return BakeGroom(character, ComputeRestGeometry(character, 1.0f), setup, 1.0f);
 }
 
 TEST(Bake, IsValidAndAcceptedByTheGroomFile) {
   const Groom groom = BakeTiny();
-  test::ExpectValidGroom(groom);
+  ExpectValidGroom(groom);
   EXPECT_EQ(FindGroomFault(groom, "tiny"), "");
   ASSERT_EQ(groom.layers.size(), 2u);
   EXPECT_EQ(groom.layers[0].name, "coat");
@@ -105,16 +107,14 @@ TEST(Bake, GivesTheSameBitsTwiceAndOnEveryCompiler) {
 }
 
 TEST(Bake, AnotherSeedGivesAnotherGroom) {
-  const Character character = test::MakeTorus({.around = 24, .across = 8});
-  const RestGeometry rest = ComputeRestGeometry(character, 1.0f);
   FurSetup setup = MakeTinySetup();
   setup.layers[0].seed = 99;
-  EXPECT_NE(HashGroom(BakeGroom(character, rest, setup, 1.0f)), HashGroom(BakeTiny()));
+  EXPECT_NE(HashGroom(BakeTiny(setup)), HashGroom(BakeTiny()));
 }
 
 // Each triangle with vertices and the normal of its own.
 Character MakeFaceted() {
-  Character character = test::MakeTorus({.around = 24, .across = 8});
+  Character character = MakeTinyTorus();
   const Mesh round = character.mesh;
   Mesh& mesh = character.mesh;
   for (auto* rows : {&mesh.position, &mesh.normal}) rows->clear();
@@ -146,9 +146,8 @@ Character MakeFaceted() {
 float LeastAlike(const Character& character, float crease_angle) {
   FurSetup setup = MakeTinySetup();
   setup.crease_angle = crease_angle;
-  const Groom groom = BakeGroom(character, ComputeRestGeometry(character, 1.0f), setup, 1.0f);
   float least = 1.0f;
-  for (const MeshBlock& mesh : groom.mesh)
+  for (const MeshBlock& mesh : BakeTiny(setup, character).mesh)
     for (uint32_t a = 0; a < kVerticesPerChunk; ++a)
       for (uint32_t b = 0; b < a; ++b) {
         float apart = 0.0f, alike = 0.0f;
@@ -170,18 +169,14 @@ TEST(Bake, ACoatDoesNotPartWhereTheMeshHasHardEdges) {
 TEST(Bake, WhereNoEdgeIsHardACreaseAngleChangesNothing) {
   FurSetup setup = MakeTinySetup();
   setup.crease_angle = 120.0f;
-  const Character character = test::MakeTorus({.around = 24, .across = 8});
-  const Groom groom = BakeGroom(character, ComputeRestGeometry(character, 1.0f), setup, 1.0f);
-  EXPECT_EQ(groom.strands.size(), BakeTiny().strands.size());
+  EXPECT_EQ(BakeTiny(setup).strands.size(), BakeTiny().strands.size());
 }
 
 TEST(Bake, LayersDoNotInfluenceEachOther) {
-  const Character character = test::MakeTorus({.around = 24, .across = 8});
-  const RestGeometry rest = ComputeRestGeometry(character, 1.0f);
   FurSetup setup = MakeTinySetup();
-  const Groom both = BakeGroom(character, rest, setup, 1.0f);
+  const Groom both = BakeTiny(setup);
   setup.layers.erase(setup.layers.begin());
-  const Groom alone = BakeGroom(character, rest, setup, 1.0f);
+  const Groom alone = BakeTiny(setup);
   ASSERT_EQ(alone.strands.size(), both.layers[1].chunk_count);
   for (size_t c = 0; c < alone.strands.size(); ++c) {
     EXPECT_EQ(0, std::memcmp(&alone.strands[c], &both.strands[both.layers[1].first_chunk + c],
@@ -196,7 +191,7 @@ TEST(Bake, LayersDoNotInfluenceEachOther) {
 }
 
 TEST(Bake, TellsProgressAndStats) {
-  const Character character = test::MakeTorus({.around = 24, .across = 8});
+  const Character character = MakeTinyTorus();
   std::vector<std::pair<std::string, float>> reported;
   const BakeProgress progress = [&](std::string_view layer, float share) {
     reported.emplace_back(layer, share);
@@ -216,7 +211,6 @@ TEST(Bake, TellsProgressAndStats) {
 
 TEST(Bake, GrowsTheBuiltInMonsterByMaterial) {
   const Character character = MakeBuiltinCharacter({});
-  const RestGeometry rest = ComputeRestGeometry(character, 1.0f);
   FurSetup setup;
   uint32_t seed = 1;
   for (const char* part : {"head", "brow", "body", "arm", "tail"}) {
@@ -227,29 +221,27 @@ TEST(Bake, GrowsTheBuiltInMonsterByMaterial) {
     layer.density = 1e4f;
     setup.layers.push_back(layer);
   }
-  const Groom groom = BakeGroom(character, rest, setup, 1.0f);
-  test::ExpectValidGroom(groom);
+  const Groom groom = BakeTiny(setup, character);
+  ExpectValidGroom(groom);
   EXPECT_EQ(FindGroomFault(groom, "monster"), "");
   ASSERT_EQ(groom.layers.size(), 5u);
   for (const GroomLayer& layer : groom.layers) {
     EXPECT_GT(layer.strand_count, 10u) << layer.name;
     SCOPED_TRACE(layer.name);
-    test::ExpectEachVertexOnce(groom, layer, character.mesh);
+    ExpectEachVertexOnce(groom, layer, character.mesh);
   }
 }
 
 TEST(Bake, RefusesWhatItCannotMake) {
-  const Character character = test::MakeTorus({.around = 24, .across = 8});
-  const RestGeometry rest = ComputeRestGeometry(character, 1.0f);
   FurSetup setup;
   setup.path = "empty.toml";
-  EXPECT_THROW(BakeGroom(character, rest, setup, 1.0f), Error);
+  EXPECT_THROW(BakeTiny(setup), Error);
   setup = MakeTinySetup();
   setup.layers[0].params.points = 5;  // with vertex chains
-  EXPECT_THROW(BakeGroom(character, rest, setup, 1.0f), Error);
+  EXPECT_THROW(BakeTiny(setup), Error);
   setup = MakeTinySetup();
   setup.layers[1].params.points = 6;
-  EXPECT_THROW(BakeGroom(character, rest, setup, 1.0f), Error);
+  EXPECT_THROW(BakeTiny(setup), Error);
 }
 
 TEST(Bake, MaxStrandsThatLeavesSkinBareIsAWarning) {
@@ -269,4 +261,4 @@ TEST(Bake, MaxStrandsThatLeavesSkinBareIsAWarning) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

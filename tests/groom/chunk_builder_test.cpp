@@ -12,10 +12,8 @@
 #include "tests/groom/groom_validator.hpp"
 #include "tests/groom/torus_character.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
-
-using test::BakeTorus;
 
 // A sheet of quads whose vertices follow `joints_of(vertex)`.
 template <class F>
@@ -303,12 +301,12 @@ LayerSetup MakeCoat(float density) {
 TEST(Chunks, HoldEveryPromiseForBothKindsOfChains) {
   for (const float density : {300.0f, 4000.0f, 40000.0f}) {
     LayerSetup layer = MakeCoat(density);
-    test::ExpectValidGroom(BakeTorus(layer));
+    ExpectValidGroom(BakeTorus(layer));
     layer.params.chain = ChainKind::kStrand;
-    test::ExpectValidGroom(BakeTorus(layer));
+    ExpectValidGroom(BakeTorus(layer));
     layer.params.points = 5;
     layer.offset = Attribute(0.01f);
-    test::ExpectValidGroom(BakeTorus(layer));
+    ExpectValidGroom(BakeTorus(layer));
   }
 }
 
@@ -317,27 +315,27 @@ TEST(Chunks, HoldEveryPromiseOfSagFreeLayers) {
   layer.params.solver = Solver::kModal;
   layer.params.sag_free = true;
   const Groom on_vertices = BakeTorus(layer);
-  test::ExpectValidGroom(on_vertices);
+  ExpectValidGroom(on_vertices);
   EXPECT_EQ(on_vertices.vertex_down.size(), on_vertices.mesh.size());
   EXPECT_TRUE(on_vertices.strand_down.empty());
   layer.params.chain = ChainKind::kStrand;
   const Groom of_strands = BakeTorus(layer);
-  test::ExpectValidGroom(of_strands);
+  ExpectValidGroom(of_strands);
   EXPECT_EQ(of_strands.strand_down.size(), of_strands.strands.size());
   EXPECT_TRUE(of_strands.vertex_down.empty());
 }
 
 TEST(Chunks, ShareTheVerticesOfTheirBorders) {
   const Groom groom = BakeTorus(MakeCoat(20000.0f));
-  EXPECT_GT(test::CountShared(groom, groom.layers[0]), 200u);
+  EXPECT_GT(CountShared(groom, groom.layers[0]), 200u);
 }
 
 TEST(Patches, HaveEachVertexOnce) {
-  const Mesh mesh = test::MakeTorus().mesh;
+  const Mesh mesh = MakeTorus().mesh;
   for (const float density : {300.0f, 4000.0f, 20000.0f}) {
     SCOPED_TRACE(density);
     const Groom groom = BakeTorus(MakeCoat(density));
-    const size_t vertices = test::ExpectEachVertexOnce(groom, groom.layers[0], mesh);
+    const size_t vertices = ExpectEachVertexOnce(groom, groom.layers[0], mesh);
     if (density == 20000.0f) {
       EXPECT_EQ(vertices, mesh.position.size());
     } else {
@@ -348,7 +346,7 @@ TEST(Patches, HaveEachVertexOnce) {
 
 TEST(Patches, AgreeOnBothSidesOfASeam) {
   const Groom groom = BakeTorus(MakeCoat(20000.0f));
-  EXPECT_EQ(test::ExpectSeamsAgree(groom, groom.layers[0], 0), 48u + 16u - 1u);
+  EXPECT_EQ(ExpectSeamsAgree(groom, groom.layers[0], 0), 48u + 16u - 1u);
 }
 
 TEST(Chunks, DenseLayersAreFull) {
@@ -378,7 +376,7 @@ glm::dvec3 RootOf(const Groom& groom, size_t chunk, uint32_t lane) {
   const StrandBlock& block = groom.strands[chunk];
   glm::dvec3 root(0.0);
   for (int k = 0; k < 3; ++k) {
-    const auto [patch, v] = test::FindCorner(groom, groom.layers[0], chunk, block.vertex[k][lane]);
+    const auto [patch, v] = FindCorner(groom, groom.layers[0], chunk, block.vertex[k][lane]);
     for (int axis = 0; axis < 3; ++axis)
       root[axis] += double(block.bary[k][lane]) * double(groom.mesh[patch].position[axis][v]);
   }
@@ -419,7 +417,7 @@ TEST(Chunks, ControlsAreTheNearest) {
 
 TEST(Chunks, OffsetRaisesTheSkinInMetresWhateverTheFileUnit) {
   LayerSetup layer = MakeCoat(4000.0f);
-  const test::TorusOptions centimetres{.scale = 100.0f};
+  const TorusOptions centimetres{.scale = 100.0f};
   const Groom flat = BakeTorus(layer, centimetres);
   layer.offset = Attribute(0.005f);
   const Groom raised = BakeTorus(layer, centimetres);
@@ -436,7 +434,7 @@ TEST(Chunks, OffsetRaisesTheSkinInMetresWhateverTheFileUnit) {
 
 // The slow, obvious reference of a vertex chain: the weighted mean over all strands of the layer.
 TEST(VertexChains, AreTheMeanOfTheLayersStrandsRemadeWithEqualSegments) {
-  test::CoatedTorus torus;
+  CoatedTorus torus;
   torus.layer = MakeCoat(4000.0f);
   torus.Scatter();
   const Mesh& mesh = torus.character.mesh;
@@ -473,7 +471,7 @@ TEST(VertexChains, AreTheMeanOfTheLayersStrandsRemadeWithEqualSegments) {
 }
 
 TEST(VertexChains, ASeamDoesNotPartTheFur) {
-  test::CoatedTorus torus;
+  CoatedTorus torus;
   torus.layer = MakeCoat(20000.0f);
   torus.layer.offset = Attribute(0.01f);
   torus.layer.offset.randomise = 0.5f;
@@ -493,4 +491,4 @@ TEST(VertexChains, ASeamDoesNotPartTheFur) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

@@ -2,19 +2,16 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 
-#include "core/error.hpp"
 #include "core/groom/attributes.hpp"
+#include "tests/error_from.hpp"
 #include "tests/groom/torus_character.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
 
-struct Combed {
-  Character character = test::MakeTorus();
-  RestGeometry rest = ComputeRestGeometry(character, 1.0f);
-  FurSetup setup;
-  LayerSetup layer;
+struct Combed : CoatedTorus {
   Combed() { layer.name = "coat"; }
   Comb Make() const { return Comb(character, rest, setup, layer); }
 };
@@ -22,10 +19,6 @@ struct Combed {
 // On top of the ring at its +x side: normal +y.
 const glm::vec3 kTop(0.3f, 0.1f, 0.0f);
 const RootFrame kTopFrame = MakeRootFrame({0, 1, 0}, {0, 0, 1});
-
-double AngleDegrees(const glm::dvec3& a, const glm::dvec3& b) {
-  return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * 180.0 / M_PI;
-}
 
 TEST(RootFrame, IsOrthonormalAndRightHanded) {
   const glm::dvec3 normals[] = {{0, 1, 0}, {1, 0, 0}, {0.3, -2.0, 0.4}, {0, 0, -1}, {0, 0, 0}};
@@ -61,7 +54,7 @@ TEST(Comb, AVectorRulesAtItsPlaceAndFadesToNothingAtItsReach) {
   f.layer.comb = {{kTop, {0.0f, 0.0f, -3.0f}, 0.1f}};
   const Comb comb = f.Make();
   const glm::dvec3 drawn = kTopFrame.ToFrame({0, 0, -1});
-  EXPECT_NEAR(AngleDegrees(comb.Direction(kTop, kTopFrame, 0, 60), drawn), 0.0, 1e-6);
+  EXPECT_NEAR(DegreesBetween(comb.Direction(kTop, kTopFrame, 0, 60), drawn), 0.0, 1e-6);
   const glm::dvec3 fallback = Combed().Make().Direction(kTop, kTopFrame, 0, 60);
   for (const float outside : {0.1f, 0.11f, 5.0f}) {
     const glm::vec3 there = kTop + glm::vec3(outside, 0, 0);
@@ -70,13 +63,13 @@ TEST(Comb, AVectorRulesAtItsPlaceAndFadesToNothingAtItsReach) {
   double last = 0.0;
   for (float x = 0.0f; x <= 0.12f; x += 0.001f) {  // no jump anywhere, edge of reach included
     const double turned =
-        AngleDegrees(comb.Direction(kTop + glm::vec3(x, 0, 0), kTopFrame, 0, 60), drawn);
+        DegreesBetween(comb.Direction(kTop + glm::vec3(x, 0, 0), kTopFrame, 0, 60), drawn);
     EXPECT_GE(turned, last - 1e-9);
     EXPECT_LT(turned - last, 6.0);
     last = turned;
   }
   const glm::vec3 near_edge = kTop + glm::vec3(0.0999f, 0, 0);
-  EXPECT_LT(AngleDegrees(comb.Direction(near_edge, kTopFrame, 0, 60), fallback), 0.01);
+  EXPECT_LT(DegreesBetween(comb.Direction(near_edge, kTopFrame, 0, 60), fallback), 0.01);
 }
 
 TEST(Comb, BetweenTwoEqualVectorsIsTheirMean) {
@@ -100,7 +93,7 @@ TEST(Comb, NormalsThatDisagreeWeakenAVector) {
   const glm::dvec3 fallback = Combed().Make().Direction(kTop, below, 0, 60);
   auto share_taken = [&](float weight) {
     f.layer.comb_normal_weight = weight;
-    return AngleDegrees(f.Make().Direction(kTop, below, 0, 60), fallback);
+    return DegreesBetween(f.Make().Direction(kTop, below, 0, 60), fallback);
   };
   EXPECT_NEAR(share_taken(0.0f), 120.0, 1e-6);  // position alone: as drawn
   EXPECT_GT(share_taken(0.5f), 1.0);
@@ -111,36 +104,32 @@ TEST(Comb, NormalsThatDisagreeWeakenAVector) {
 TEST(Comb, OutsideEveryReachTheJointGivesTheHeadingAndElevationRaisesIt) {
   Combed f;
   f.layer.comb_joint = "ring_2";  // at +z; its child ring_3 lies towards -x and a little -z
-  const glm::dvec3 along = glm::normalize(glm::dvec3(test::TorusPoint(3.0 / 8, 0, 0)) -
-                                          glm::dvec3(test::TorusPoint(2.0 / 8, 0, 0)));
+  const glm::dvec3 along =
+      glm::normalize(glm::dvec3(TorusPoint(3.0 / 8, 0, 0)) - glm::dvec3(TorusPoint(2.0 / 8, 0, 0)));
   const glm::dvec3 got = kTopFrame.FromFrame(f.Make().Direction(kTop, kTopFrame, 77, 30));
   const glm::dvec3 expected = along * std::cos(M_PI / 6) + glm::dvec3(0, 1, 0) * std::sin(M_PI / 6);
-  EXPECT_LT(AngleDegrees(got, expected), 1e-4);
+  EXPECT_LT(DegreesBetween(got, expected), 1e-4);
   // Where the joint points straight out of the surface, the strand stands up.
   const RootFrame cap = MakeRootFrame(along, {0, 1, 0});
-  EXPECT_LT(AngleDegrees(f.Make().Direction(kTop, cap, 77, 30), {0, 0, 1}), 1e-4);
+  EXPECT_LT(DegreesBetween(f.Make().Direction(kTop, cap, 77, 30), {0, 0, 1}), 1e-4);
   // The last of the chain has no child: from its parent.
   f.layer.comb_joint = "ring_7";
-  const glm::dvec3 last = glm::normalize(glm::dvec3(test::TorusPoint(7.0 / 8, 0, 0)) -
-                                         glm::dvec3(test::TorusPoint(6.0 / 8, 0, 0)));
-  EXPECT_LT(AngleDegrees(kTopFrame.FromFrame(f.Make().Direction(kTop, kTopFrame, 0, 0)), last),
+  const glm::dvec3 last =
+      glm::normalize(glm::dvec3(TorusPoint(7.0 / 8, 0, 0)) - glm::dvec3(TorusPoint(6.0 / 8, 0, 0)));
+  EXPECT_LT(DegreesBetween(kTopFrame.FromFrame(f.Make().Direction(kTop, kTopFrame, 0, 0)), last),
             1e-4);
 }
 
 TEST(Comb, UnknownAndPointlessJointsAreErrors) {
   Combed f;
   f.layer.comb_joint = "ring_9";
-  try {
-    f.Make();
-    FAIL() << "no error";
-  } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("layer 'coat': key 'comb_joint'"), std::string::npos);
-    EXPECT_NE(std::string(error.what()).find("'ring_7'"), std::string::npos);
-  }
+  const std::string error = ErrorFrom([&] { f.Make(); });
+  EXPECT_NE(error.find("layer 'coat': key 'comb_joint'"), std::string::npos) << error;
+  EXPECT_NE(error.find("'ring_7'"), std::string::npos) << error;
   for (JointPose& pose : f.character.skeleton.rest) pose.translation = glm::vec3(0.0f);
   f.layer.comb_joint = "ring_2";
   EXPECT_THROW(f.Make(), Error);
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

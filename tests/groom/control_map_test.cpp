@@ -10,7 +10,7 @@
 #include "tests/error_from.hpp"
 #include "tests/groom/png.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
 
 ControlMap DrawMap(uint32_t width, uint32_t height, uint32_t seed) {
@@ -94,21 +94,21 @@ TEST(ControlMap, StaysInsideForAnyCoordinate) {
 
 TEST(ControlMap, ReadsPngOfEveryChannelCount) {
   const std::vector<uint8_t> grey{0, 64, 128, 255};
-  const ControlMap a = ReadControlMap(test::MakePng(2, 2, 1, grey), "grey.png");
+  const ControlMap a = ReadControlMap(MakePng(2, 2, 1, grey), "grey.png");
   ASSERT_EQ(a.width, 2u);
   ASSERT_EQ(a.height, 2u);
   EXPECT_EQ(a.rgba, (std::vector<uint8_t>{0, 0, 0, 255, 64, 64, 64, 255, 128, 128, 128, 255, 255,
                                           255, 255, 255}));
-  const ControlMap b = ReadControlMap(test::MakePng(1, 2, 3, {1, 2, 3, 4, 5, 6}), "rgb.png");
+  const ControlMap b = ReadControlMap(MakePng(1, 2, 3, {1, 2, 3, 4, 5, 6}), "rgb.png");
   EXPECT_EQ(b.rgba, (std::vector<uint8_t>{1, 2, 3, 255, 4, 5, 6, 255}));
   // The first row is the top one: v runs downwards, as glTF's.
   EXPECT_EQ(b.Sample({0.5f, 0.25f}, 1), 2.0f / 255.0f);
-  const ControlMap c = ReadControlMap(test::MakePng(1, 1, 4, {9, 8, 7, 6}), "rgba.png");
+  const ControlMap c = ReadControlMap(MakePng(1, 1, 4, {9, 8, 7, 6}), "rgba.png");
   EXPECT_EQ(c.rgba, (std::vector<uint8_t>{9, 8, 7, 6}));
 }
 
 std::string PngError(const std::vector<uint8_t>& png) {
-  return test::ErrorFrom([&] { ReadControlMap(png, "x.png"); });
+  return ErrorFrom([&] { ReadControlMap(png, "x.png"); });
 }
 
 TEST(ControlMap, RefusesWhatIsNoPicture) {
@@ -117,12 +117,12 @@ TEST(ControlMap, RefusesWhatIsNoPicture) {
             std::string::npos);
   EXPECT_NE(PngError({'R', 'I', 'F', 'F', 9, 0, 0, 0, 'W', 'E', 'B', 'P'}).find("a WebP picture"),
             std::string::npos);
-  auto huge = test::MakePng(1, 1, 4, {1, 2, 3, 4});
+  auto huge = MakePng(1, 1, 4, {1, 2, 3, 4});
   huge[16] = 0x7f;  // width
   EXPECT_NE(PngError(huge).find("8192"), std::string::npos);
-  auto wide = test::MakePng(9000, 1, 1, std::vector<uint8_t>(9000));
+  auto wide = MakePng(9000, 1, 1, std::vector<uint8_t>(9000));
   EXPECT_NE(PngError(wide).find("8192"), std::string::npos);
-  EXPECT_EQ(PngError(test::MakePng(8192, 1, 1, std::vector<uint8_t>(8192))), "");
+  EXPECT_EQ(PngError(MakePng(8192, 1, 1, std::vector<uint8_t>(8192))), "");
   EXPECT_THROW(ReadControlMapFile("/nowhere/at/all.png"), Error);
   EXPECT_THROW(ReadControlMapFile("/"), Error);
 }
@@ -131,7 +131,7 @@ TEST(ControlMap, DamagedPicturesNeverCrash) {
   std::vector<uint8_t> pixels(16 * 16 * 4);
   std::mt19937 random(77);
   for (uint8_t& byte : pixels) byte = uint8_t(random());
-  const auto good = test::MakePng(16, 16, 4, pixels);
+  const auto good = MakePng(16, 16, 4, pixels);
   ASSERT_EQ(PngError(good), "");
   int refused = 0;
   for (int i = 0; i < 4000; ++i) {
@@ -148,4 +148,4 @@ TEST(ControlMap, DamagedPicturesNeverCrash) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

@@ -10,10 +10,9 @@
 #include "tests/groom/groom_validator.hpp"
 #include "tests/groom/torus_character.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
 
-using test::BakeTorus;
 using Place = std::array<float, 3>;
 using EdgeCounts = std::map<std::array<Place, 2>, uint32_t>;  // ends in order
 
@@ -36,7 +35,7 @@ EdgeCounts CountOwned(const Groom& groom) {
   for (size_t c = 0; c < groom.strands.size(); ++c) {
     const auto place = [&](uint32_t t, uint32_t k) -> Place {
       const auto [patch, lane] =
-          test::FindCorner(groom, groom.layers[0], c, groom.strands[c].vertex[k][t]);
+          FindCorner(groom, groom.layers[0], c, groom.strands[c].vertex[k][t]);
       const auto& p = groom.mesh[patch].position;
       return {p[0][lane], p[1][lane], p[2][lane]};
     };
@@ -52,10 +51,10 @@ EdgeCounts CountOwned(const Groom& groom) {
 // borders of its chunks.
 TEST(FinEdges, HaveOneOwner) {
   const Groom groom = BakeTorus(MakeFinned());
-  test::ExpectValidGroom(groom);
+  ExpectValidGroom(groom);
   ASSERT_GT(groom.strands.size(), 4u);
   const EdgeCounts counts = CountOwned(groom);
-  EXPECT_EQ(counts.size(), test::MakeTorus().mesh.triangles.size() * 3 / 2);
+  EXPECT_EQ(counts.size(), MakeTorus().mesh.triangles.size() * 3 / 2);
   for (const auto& [edge, owners] : counts) EXPECT_EQ(owners, 1u);
 }
 
@@ -66,7 +65,7 @@ TEST(FinEdges, AreOwnedWhereTheFurEnds) {
   const Groom groom = BakeTorus(layer);
   const EdgeCounts counts = CountOwned(groom);
   // Half a torus has two rings of edges more than half of the edges.
-  const test::TorusOptions torus;
+  const TorusOptions torus;
   EXPECT_EQ(counts.size(), groom.layers[0].strand_count * 3 / 2 + torus.across);
   for (const auto& [edge, owners] : counts) EXPECT_EQ(owners, 1u);
 }
@@ -133,4 +132,4 @@ TEST(FinEdges, AreOfShellsAlone) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

@@ -14,7 +14,7 @@
 #include "tests/error_from.hpp"
 #include "tests/groom/torus_character.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
 
 constexpr uint32_t kSide = 32;
@@ -133,9 +133,9 @@ TEST(FlowMap, LiesRoundTheTextureWhereUvsGoBeyondIt) {
 
 TEST(FlowMap, HasLengthsAndDensity) {
   Plane plane(AsItIs);
-  plane.layer.length.map = test::MakeMap([](float u, float) { return 0.25f + 0.75f * u; });
+  plane.layer.length.map = MakeMap([](float u, float) { return 0.25f + 0.75f * u; });
   plane.layer.length.randomise = 0.5f;  // makes no difference
-  plane.layer.mask.bald = test::MakeMap([](float, float v) { return v < 0.5f ? 0.0f : 1.0f; });
+  plane.layer.mask.bald = MakeMap([](float, float v) { return v < 0.5f ? 0.0f : 1.0f; });
   const FlowMap map = plane.Make();
   EXPECT_NEAR(map.longest_m, 0.05f, 0.001f);
   for (uint32_t y = 0; y < kSide; ++y)
@@ -194,7 +194,7 @@ TEST(FlowMap, WhereTheLayerCannotGrowThereIsNoSheet) {
 
 TEST(FlowMap, IsWholeAcrossTheSeamsOfATorus) {
   Plane settings(AsItIs);
-  const Character torus = test::MakeTorus();
+  const Character torus = MakeTorus();
   settings.layer.comb_joint = "ring_2";
   const FlowMap map =
       MakeFlowMap(torus, ComputeRestGeometry(torus, 1.0f), settings.setup, settings.layer, 64);
@@ -211,7 +211,7 @@ TEST(FlowMap, IsWholeAcrossTheSeamsOfATorus) {
 
 TEST(FlowMap, TheSameBytesEverywhere) {
   Plane settings(AsItIs);
-  const Character torus = test::MakeTorus();
+  const Character torus = MakeTorus();
   settings.layer.comb = {{{0.3f, 0.1f, 0.0f}, {0.2f, 0.3f, 1.0f}, 0.4f}};
   settings.layer.curl = 400.0f;
   const FlowMap map =
@@ -221,7 +221,7 @@ TEST(FlowMap, TheSameBytesEverywhere) {
 
 TEST(FlowMap, RefusesWhatHasNoPlaceInTheTexture) {
   const auto reason = [](const Plane& plane, uint32_t side) {
-    return test::ErrorFrom([&] { plane.Make(side); });
+    return ErrorFrom([&] { plane.Make(side); });
   };
   Plane plane(AsItIs);
   EXPECT_EQ(reason(plane, 0),
@@ -268,4 +268,4 @@ TEST(HeightField, TheSameBytesEverywhereAndOthersFromAnotherSeed) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

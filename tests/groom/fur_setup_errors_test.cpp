@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <random>
 #include <sstream>
 
@@ -12,11 +11,12 @@
 #include "core/groom/setup_schema.hpp"
 #include "tests/groom/setup_folder.hpp"
 #include "tests/source_folder.hpp"
+#include "tests/test_folder.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
 
-using FurSetupErrors = test::SetupFolder;
+using FurSetupErrors = SetupFolder;
 
 TEST_F(FurSetupErrors, MistypedKeysAreNamedWithASuggestion) {
   const std::pair<const char*, const char*> cases[] = {
@@ -57,8 +57,8 @@ TEST_F(FurSetupErrors, EveryBoundHolds) {
     out << value;
     return out.str();
   };
-  for (const auto& row : Schema<LayerSetup>()) {
-    const KeyInfo& info = row.info;
+  for (const auto& entry : Schema<LayerSetup>()) {
+    const KeyInfo& info = entry.info;
     const bool whole = info.type == "whole number";
     if (!(info.low < info.high) || (info.type != "number" && info.type != "attribute" && !whole)) {
       continue;
@@ -175,24 +175,26 @@ TEST_F(FurSetupErrors, WrongValuesAreTold) {
 }
 
 TEST_F(FurSetupErrors, WrongFilesAreTold) {
-  EXPECT_EQ(ErrorOf(""), "fur.toml:1: a fur setup needs at least one [[layer]]");
-  EXPECT_EQ(ErrorOf("layer = []"), "fur.toml:1: a fur setup needs at least one [[layer]]");
-  EXPECT_EQ(ErrorOf("layer = [3]"), "fur.toml:1: layer 1: write each layer as [[layer]]");
-  EXPECT_EQ(ErrorOf("defaults = 3\n[[layer]]\nname='x'"),
-            "fur.toml:1: defaults: write it as [defaults]");
-  EXPECT_EQ(ErrorOf("[[layer]]\nlength = 0.1"),
-            "fur.toml:1: layer 1: key 'name': is needed here and missing");
-  EXPECT_EQ(ErrorOf("[defaults]\nname = 'x'\n[[layer]]\nname = 'x'"),
-            "fur.toml:2: defaults: key 'name': belongs to one layer; it has no default");
-  EXPECT_EQ(ErrorOf("[[layer]]\nname = 'x'\n\n[[layer]]\nname = 'x'"),
-            "fur.toml:5: layer 'x': key 'name': another layer has this name");
+  const std::pair<const char*, const char*> cases[] = {
+      {"", "1: a fur setup needs at least one [[layer]]"},
+      {"layer = []", "1: a fur setup needs at least one [[layer]]"},
+      {"layer = [3]", "1: layer 1: write each layer as [[layer]]"},
+      {"defaults = 3\n[[layer]]\nname='x'", "1: defaults: write it as [defaults]"},
+      {"[[layer]]\nlength = 0.1", "1: layer 1: key 'name': is needed here and missing"},
+      {"[defaults]\nname = 'x'\n[[layer]]\nname = 'x'",
+       "2: defaults: key 'name': belongs to one layer; it has no default"},
+      {"[[layer]]\nname = 'x'\n\n[[layer]]\nname = 'x'",
+       "5: layer 'x': key 'name': another layer has this name"},
+      // The TOML library asserts here.
+      {"[[layer]]\nname = 'x'\n\n[=]\nlength = 1\n",
+       "4: not valid TOML: a key is missing or malformed"},
+  };
+  for (const auto& [text, message] : cases)
+    EXPECT_EQ(ErrorOf(text), std::string("fur.toml:") + message) << text;
   EXPECT_EQ(ErrorOf("[[layer]]\nname = 'x'\nlength = = 3").rfind("fur.toml:3: not valid TOML: ", 0),
             0u);
   EXPECT_EQ(ErrorOf("[[layer]]\nname = 'x'\nname = 'y'").rfind("fur.toml:3: not valid TOML: ", 0),
             0u);
-  // The TOML library asserts here.
-  EXPECT_EQ(ErrorOf("[[layer]]\nname = 'x'\n\n[=]\nlength = 1\n"),
-            "fur.toml:4: not valid TOML: a key is missing or malformed");
   // Beyond ASCII only in quotes and comments: the TOML library is undefined elsewhere.
   EXPECT_EQ(ErrorOf("\xef\xbb\xbf[[layer]]\nname = \"\xca\x91\" # \xca\x91\n"), "");
   EXPECT_EQ(ErrorOf("[[layer]]\nname = \'\'\'\n\xca\x91\\\'\'\'"), "");
@@ -206,8 +208,8 @@ TEST_F(FurSetupErrors, WrongFilesAreTold) {
   std::string many;
   for (int i = 0; i < 1025; ++i) many += "[[layer]]\nname = 'l" + std::to_string(i) + "'\n";
   EXPECT_NE(ErrorOf(many).find("more than 1024 layers"), std::string::npos);
-  EXPECT_THROW(ReadFurSetupFile((folder_ / "none.toml").string()), Error);
-  EXPECT_THROW(ReadFurSetupFile(folder_.string()), Error);
+  EXPECT_THROW(ReadFurSetupFile(folder_ / "none.toml"), Error);
+  EXPECT_THROW(ReadFurSetupFile(folder_.path().string()), Error);
 }
 
 TEST_F(FurSetupErrors, ParamsFromElsewhereAreChecked) {
@@ -227,8 +229,7 @@ TEST_F(FurSetupErrors, ParamsFromElsewhereAreChecked) {
 }
 
 TEST_F(FurSetupErrors, DamagedTextsNeverCrash) {
-  std::ifstream file(test::SourceFolder() + "/bench/scenarios/setups/tiny.toml", std::ios::binary);
-  const std::string good{std::istreambuf_iterator<char>(file), {}};
+  const std::string good = ReadText(SourceFolder() + "/bench/scenarios/setups/tiny.toml");
   ASSERT_EQ(ErrorOf(good), "");
   std::mt19937 random(4242);
   int refused = 0;
@@ -254,4 +255,4 @@ TEST_F(FurSetupErrors, DamagedTextsNeverCrash) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

@@ -1,4 +1,4 @@
-// The fur setup: each key lands in its field. Every key of the schema has its row here; one without
+// The fur setup: each key lands in its field. Every key of the schema has its entry here; one without
 // fails.
 #include "core/groom/fur_setup.hpp"
 
@@ -14,10 +14,10 @@
 #include "tests/groom/setup_folder.hpp"
 #include "tests/source_folder.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
 
-using FurSetupTest = test::SetupFolder;
+using FurSetupTest = SetupFolder;
 
 struct KeyCase {
   std::string key, value;
@@ -100,27 +100,28 @@ TEST_F(FurSetupTest, EveryKeyLandsInItsField) {
     EXPECT_TRUE(c.landed(Read("[defaults]\n" + line + "[[layer]]\nname = 'x'\n").layers.at(0)))
         << c.key << " from [defaults]";
   }
-  for (const auto& row : Schema<LayerSetup>()) {
-    // Numbers and attributes that have a row are tried below, each against all others.
-    if (row.info.type == "number" || row.info.type == "attribute") continue;
-    EXPECT_EQ(tried.count(std::string(row.info.key)), 1u) << row.info.key << " is not tried above";
+  for (const auto& entry : Schema<LayerSetup>()) {
+    // Numbers and attributes that have an entry are tried below, each against all others.
+    if (entry.info.type == "number" || entry.info.type == "attribute") continue;
+    EXPECT_EQ(tried.count(std::string(entry.info.key)), 1u)
+        << entry.info.key << " is not tried above";
   }
 }
 
 TEST_F(FurSetupTest, EveryNumberOfALayerLandsInItsMemberAlone) {
   const LayerParams builtin;
   uint32_t tried = 0;
-  ForEachLayerParam([&]<class T>(const LayerParamRow<T>& row) {
+  ForEachLayerParam([&]<class T>(const LayerParamEntry<T>& entry) {
     if constexpr (std::is_same_v<T, float>) {
-      const double value = (row.low + 3.0 * row.high) / 4.0;
+      const double value = (entry.low + 3.0 * entry.high) / 4.0;
       const LayerParams read =
-          Read("[[layer]]\nname = 'x'\n" + std::string(row.key) + " = " + std::to_string(value))
+          Read("[[layer]]\nname = 'x'\n" + std::string(entry.key) + " = " + std::to_string(value))
               .layers.at(0)
               .params;
-      EXPECT_EQ(read.*row.member, float(value)) << row.key;
+      EXPECT_EQ(read.*entry.member, float(value)) << entry.key;
       ForEachLayerParam([&](const auto& other) {
-        EXPECT_EQ(read.*other.member == builtin.*other.member, other.key != row.key)
-            << row.key << ", " << other.key;
+        EXPECT_EQ(read.*other.member == builtin.*other.member, other.key != entry.key)
+            << entry.key << ", " << other.key;
       });
       ++tried;
     }
@@ -130,11 +131,11 @@ TEST_F(FurSetupTest, EveryNumberOfALayerLandsInItsMemberAlone) {
 
 TEST_F(FurSetupTest, EveryAttributeTakesItsTable) {
   size_t tried = 0;
-  for (const auto& row : Schema<LayerSetup>()) {
-    if (row.info.type != "attribute" || row.info.key == "density") continue;
-    const std::string key(row.info.key);
+  for (const auto& entry : Schema<LayerSetup>()) {
+    if (entry.info.type != "attribute" || entry.info.key == "density") continue;
+    const std::string key(entry.info.key);
     std::ostringstream half;
-    half << (row.info.low + row.info.high) / 2;
+    half << (entry.info.low + entry.info.high) / 2;
     const auto setup = Read("[[layer]]\nname = 'x'\n" + key + " = { value = " + half.str() +
                             ", randomise = 0.5, " + "range = [" + half.str() + ", " + half.str() +
                             "], map = 'maps/m.png', channel = 'g' }");
@@ -243,28 +244,28 @@ TEST_F(FurSetupTest, WetKeysSayWhatIsLeft) {
 }
 
 TEST_F(FurSetupTest, MapsAreFoundFromTheSetup) {
-  Save("fox.toml", "[[layer]]\nname = 'x'\nlength = { value = 0.1, map = 'maps/m.png' }");
-  const auto setup = ReadFurSetupFile((folder_ / "fox.toml").string());
+  folder_.Save("fox.toml", "[[layer]]\nname = 'x'\nlength = { value = 0.1, map = 'maps/m.png' }");
+  const auto setup = ReadFurSetupFile(folder_ / "fox.toml");
   ASSERT_TRUE(setup.layers[0].length.map.map);
   EXPECT_EQ(setup.layers[0].length.map.map->width, 2u);
-  EXPECT_EQ(setup.path, (folder_ / "fox.toml").string());
+  EXPECT_EQ(setup.path, folder_ / "fox.toml");
 
   const std::string missing = LayerError("\nlength = { map = 'maps/none.png' }");
   EXPECT_EQ(missing.rfind("fur.toml:4: layer 'head': key 'length.map': control map '", 0), 0u)
       << missing;
   EXPECT_NE(missing.find("no such file"), std::string::npos);
-  Save("bad.png", "\x89PNG but not really");
+  folder_.Save("bad.png", "\x89PNG but not really");
   EXPECT_NE(LayerError("mask = { bald = 'bad.png' }").find("not a PNG"), std::string::npos);
   EXPECT_NE(LayerError("mask = { uv = 'maps' }").find("not a file"), std::string::npos);
 }
 
 TEST_F(FurSetupTest, KeyListNamesEveryKey) {
   const std::string text = DescribeSetupKeys();
-  const auto expect = [&](const auto& rows) {
-    for (const auto& row : rows) {
-      EXPECT_NE(text.find("\n  " + std::string(row.info.key) + " "), std::string::npos)
-          << row.info.key;
-      EXPECT_FALSE(row.info.doc.empty()) << row.info.key;
+  const auto expect = [&](const auto& entries) {
+    for (const auto& entry : entries) {
+      EXPECT_NE(text.find("\n  " + std::string(entry.info.key) + " "), std::string::npos)
+          << entry.info.key;
+      EXPECT_FALSE(entry.info.doc.empty()) << entry.info.key;
     }
   };
   expect(Schema<FurSetup>());
@@ -284,7 +285,7 @@ TEST_F(FurSetupTest, KeyListNamesEveryKey) {
 TEST_F(FurSetupTest, ShippedSetupsAreRead) {
   int read = 0;
   for (const auto& entry :
-       std::filesystem::directory_iterator(test::SourceFolder() + "/bench/scenarios/setups")) {
+       std::filesystem::directory_iterator(SourceFolder() + "/bench/scenarios/setups")) {
     if (entry.path().extension() != ".toml") continue;
     FurSetup setup;
     ASSERT_NO_THROW(setup = ReadFurSetupFile(entry.path().string())) << entry.path();
@@ -293,7 +294,7 @@ TEST_F(FurSetupTest, ShippedSetupsAreRead) {
   }
   EXPECT_GE(read, 6);
   const auto path = [](const char* name) {
-    return test::SourceFolder() + "/bench/scenarios/setups/" + name;
+    return SourceFolder() + "/bench/scenarios/setups/" + name;
   };
   uint32_t monster = 0;
   for (const auto& layer : ReadFurSetupFile(path("monster.toml")).layers)
@@ -311,4 +312,4 @@ TEST_F(FurSetupTest, ShippedSetupsAreRead) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

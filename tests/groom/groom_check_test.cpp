@@ -8,7 +8,7 @@
 #include "core/groom/groom_file.hpp"
 #include "tests/groom/made_groom.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
 
 TEST(GroomCheck, EveryRuleHolds) {
@@ -146,7 +146,7 @@ TEST(GroomCheck, EveryRuleHolds) {
       {"strand_rest5", "not a number", [](Groom& g) { g.strand_rest5[1].offset[3][2][1] = NAN; }},
       {"strand_rest9", "not a number", [](Groom& g) { g.strand_rest9[1].offset[7][2][1] = NAN; }},
   };
-  const Groom good = test::MakeGroom();
+  const Groom good = MakeGroom();
   ASSERT_EQ(FindGroomFault(good, "g.groom"), "");
   for (const Case& c : cases) {
     Groom bad = good;
@@ -161,4 +161,4 @@ TEST(GroomCheck, EveryRuleHolds) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

@@ -9,7 +9,6 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <random>
 #include <span>
@@ -19,11 +18,10 @@
 #include "core/groom/groom_fields.hpp"
 #include "tests/groom/made_groom.hpp"
 #include "tests/source_folder.hpp"
+#include "tests/test_folder.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
-
-using test::MakeGroom;
 
 constexpr size_t kHashAt = 40;
 
@@ -203,7 +201,7 @@ TEST(GroomFile, HashIsFixed) {
 
 // Files of before layers had a share of their chains: of all of them.
 TEST(GroomFile, OlderFilesAreRead) {
-  const std::string path = test::SourceFolder() + "/tests/fuzz/corpus/groom/version_8.groom";
+  const std::string path = SourceFolder() + "/tests/fuzz/corpus/groom/version_8.groom";
   const auto older = ReadFileBytes("groom", path).OrThrow();
   ASSERT_EQ(LoadU32(older, 8), kOldestGroomVersion);
   Groom groom = ReadGroom(older, path).OrThrow();
@@ -341,22 +339,19 @@ TEST(GroomFile, DamagedFilesNeverCrash) {
 }
 
 TEST(GroomFile, FilesAreReplacedWhole) {
-  const auto folder = std::filesystem::path(testing::TempDir()) / "pelt_groom_file_test";
-  std::filesystem::remove_all(folder);
-  std::filesystem::create_directories(folder);
-  const std::string path = (folder / "a.groom").string();
+  const TestFolder folder;
+  const std::string path = folder.Save("a.groom", "old");
   const Groom groom = MakeGroom();
-  std::ofstream(path) << "old";
   WriteGroomFile(groom, path).OrThrow();
   EXPECT_EQ(WriteGroom(ReadGroomFile(path).OrThrow()).OrThrow(), WriteGroom(groom).OrThrow());
   size_t files = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) files += entry.exists();
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+    files += entry.exists();
   EXPECT_EQ(files, 1u) << "the partial file is gone";
-  EXPECT_THROW(ReadGroomFile((folder / "none.groom").string()).OrThrow(), Error);
-  EXPECT_THROW(ReadGroomFile(folder.string()).OrThrow(), Error);
-  EXPECT_THROW(WriteGroomFile(groom, (folder / "no" / "b.groom").string()).OrThrow(), Error);
-  std::filesystem::remove_all(folder);
+  EXPECT_THROW(ReadGroomFile(folder / "none.groom").OrThrow(), Error);
+  EXPECT_THROW(ReadGroomFile(folder.path().string()).OrThrow(), Error);
+  EXPECT_THROW(WriteGroomFile(groom, folder / "no/b.groom").OrThrow(), Error);
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

@@ -1,4 +1,4 @@
-// Layer parameters: one row each for the fur setup, the groom file and the frame.
+// Layer parameters: one entry each for the fur setup, the groom file and the frame.
 #include "core/groom/layer_params.hpp"
 
 #include <gtest/gtest.h>
@@ -13,26 +13,26 @@
 namespace pelt {
 namespace {
 
-TEST(LayerParams, EveryRowIsAKeyOfTheSetupWithItsBounds) {
-  ForEachLayerParam([](const auto& row) {
+TEST(LayerParams, EveryEntryIsAKeyOfTheSetupWithItsBounds) {
+  ForEachLayerParam([](const auto& entry) {
     const auto keys = Schema<LayerSetup>();
     const auto found = std::ranges::find_if(
-        keys, [&](const KeyRow<LayerSetup>& key) { return key.info.key == row.key; });
-    ASSERT_NE(found, keys.end()) << row.key;
-    EXPECT_EQ(found->info.low, row.low) << row.key;
-    EXPECT_EQ(found->info.high, row.high) << row.key;
-    EXPECT_EQ(found->info.unit, row.unit) << row.key;
+        keys, [&](const KeyEntry<LayerSetup>& key) { return key.info.key == entry.key; });
+    ASSERT_NE(found, keys.end()) << entry.key;
+    EXPECT_EQ(found->info.low, entry.low) << entry.key;
+    EXPECT_EQ(found->info.high, entry.high) << entry.key;
+    EXPECT_EQ(found->info.unit, entry.unit) << entry.key;
   });
 }
 
-TEST(LayerParams, RowsStandInTheOrderOfTheMembersWhichIsTheFiles) {
+TEST(LayerParams, EntriesStandInTheOrderOfTheMembersWhichIsTheFiles) {
   const LayerParams params;
   const void* last = nullptr;
   std::set<std::string_view> keys;
-  ForEachLayerParam([&](const auto& row) {
-    EXPECT_LT(last, static_cast<const void*>(&(params.*row.member))) << row.key;
-    last = &(params.*row.member);
-    EXPECT_TRUE(keys.insert(row.key).second) << row.key;
+  ForEachLayerParam([&](const auto& entry) {
+    EXPECT_LT(last, static_cast<const void*>(&(params.*entry.member))) << entry.key;
+    last = &(params.*entry.member);
+    EXPECT_TRUE(keys.insert(entry.key).second) << entry.key;
   });
 }
 

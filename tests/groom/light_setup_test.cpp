@@ -7,14 +7,14 @@
 #include "core/groom/fur_setup.hpp"
 #include "tests/error_from.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
 
 FurSetup Read(const std::string& lights) {
   return ReadFurSetup("[[layer]]\nname = 'x'\n" + lights, "fur.toml", "");
 }
 std::string ReadError(const std::string& lights) {
-  return test::ErrorFrom([&] { Read(lights); });
+  return ErrorFrom([&] { Read(lights); });
 }
 
 constexpr const char* kAll = R"([lights]
@@ -110,7 +110,7 @@ TEST(LightSetup, IsReadWithoutTheLayers) {
     EXPECT_EQ(lights.sun.colour, glm::vec3(1.8f, 1.6f, 1.4f));
   }
   const auto error_of = [](const std::string& text) {
-    return test::ErrorFrom([&] { ReadLights(text, "lights.toml"); });
+    return ErrorFrom([&] { ReadLights(text, "lights.toml"); });
   };
   EXPECT_EQ(error_of(broken), "lights.toml:1: there is no [lights] in it");
   EXPECT_EQ(error_of(""), "lights.toml:1: there is no [lights] in it");
@@ -122,4 +122,4 @@ TEST(LightSetup, IsReadWithoutTheLayers) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

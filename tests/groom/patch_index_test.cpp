@@ -16,7 +16,7 @@
 #include "tests/groom/groom_validator.hpp"
 #include "tests/groom/torus_character.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
 
 // A chunk uses a vertex from the group of its lanes on that begins with `lane`.
@@ -110,7 +110,7 @@ void ExpectBlocks(const Groom& groom, const GroomLayer& layer, const PatchIndex&
     JointSet all;
     for (uint32_t lane = 0; lane < mesh.vertex_count; ++lane) {
       JointSet joints;
-      for (const auto& [joint, weight] : test::WeightsOf(mesh, lane)) joints.set(joint);
+      for (const auto& [joint, weight] : WeightsOf(mesh, lane)) joints.set(joint);
       ASSERT_EQ(FindJoints(mesh, lane), joints);
       all |= joints;
     }
@@ -155,7 +155,7 @@ TEST(PatchIndex, AgreesWithBakedGrooms) {
                                     NewLayer("dense", 20000.0f), NewLayer("shells", 1.0f)};
   layers[1].params.chain = ChainKind::kStrand;
   layers[3].params.output = Output::kShells;
-  const Groom groom = test::BakeTorus(layers);
+  const Groom groom = BakeTorus(layers);
   ASSERT_EQ(groom.layers.size(), layers.size());
   for (const GroomLayer& layer : groom.layers) {
     SCOPED_TRACE(layer.name);
@@ -164,7 +164,7 @@ TEST(PatchIndex, AgreesWithBakedGrooms) {
 }
 
 TEST(PatchIndex, FewStrandsNeedFewVertices) {
-  const Groom groom = test::BakeTorus(NewLayer("sparse", 300.0f));
+  const Groom groom = BakeTorus(NewLayer("sparse", 300.0f));
   const PatchIndex index = IndexPatches(groom, groom.layers[0]);
   uint32_t all = 0, few = 0;
   for (const PatchBlock& patch : index.patches) {
@@ -314,4 +314,4 @@ TEST(PatchIndex, ListsAsManyPatchesAsFit) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

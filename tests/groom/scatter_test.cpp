@@ -12,11 +12,8 @@
 #include "tests/error_from.hpp"
 #include "tests/groom/torus_character.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
-
-using test::MakeMap;
-using test::MakeTorus;
 
 struct Torus {
   Character character;
@@ -26,7 +23,7 @@ struct Torus {
 
   explicit Torus(bool uvs = true) : character(MakeTorus({.uvs = uvs})) {
     rest = ComputeRestGeometry(character, 1.0f);
-    area = test::AreaOf(character, rest);
+    area = AreaOf(character, rest);
     setup.path = "torus.toml";
   }
   LayerSetup Layer(uint32_t strands) const {
@@ -57,7 +54,7 @@ struct Torus {
     return least;
   }
   std::string ErrorOf(const LayerSetup& layer) const {
-    return test::ErrorFrom([&] { Scatter(layer); });
+    return ErrorFrom([&] { Scatter(layer); });
   }
 };
 
@@ -454,4 +451,4 @@ TEST(Scatter, DensitySaysWhatMaxStrandsLeft) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

@@ -12,12 +12,8 @@
 #include "tests/groom/groom_validator.hpp"
 #include "tests/groom/torus_character.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
-
-using test::BakeTorus;
-using test::ExpectValidGroom;
-using test::TorusOptions;
 
 LayerSetup MakeShells() {
   LayerSetup layer;
@@ -44,7 +40,7 @@ glm::vec3 PositionOf(const Groom& groom, size_t patch, uint32_t v) {
 TEST(ShellSkin, HasEveryTriangleOnceWithItsCorners) {
   const Groom groom = BakeTorus(MakeShells());
   ExpectValidGroom(groom);
-  const Character torus = test::MakeTorus();
+  const Character torus = MakeTorus();
   EXPECT_EQ(groom.layers[0].strand_count, torus.mesh.triangles.size());
   EXPECT_TRUE(groom.strand_rest4.empty());
   EXPECT_TRUE(groom.strand_rest5.empty());
@@ -60,7 +56,7 @@ TEST(ShellSkin, HasEveryTriangleOnceWithItsCorners) {
       std::array<float, 6> corners;
       for (size_t k = 0; k < 3; ++k) {
         const auto [patch, lane] =
-            test::FindCorner(groom, groom.layers[0], c, groom.strands[c].vertex[k][t]);
+            FindCorner(groom, groom.layers[0], c, groom.strands[c].vertex[k][t]);
         for (size_t i = 0; i < 2; ++i) corners[2 * k + i] = groom.shell_skin[patch].uv[lane][i];
       }
       found.insert(corners);
@@ -71,7 +67,7 @@ TEST(ShellSkin, HasEveryTriangleOnceWithItsCorners) {
 // At the vertex itself, not a mean of its neighbourhood: a map is as fine as the mesh.
 TEST(ShellSkin, GroomsEachVertexByItsOwnPlace) {
   LayerSetup layer = MakeShells();
-  layer.length.map = test::MakeMap([](float u, float) { return 0.25f + 0.75f * u; });
+  layer.length.map = MakeMap([](float u, float) { return 0.25f + 0.75f * u; });
   layer.elevation = Attribute(90.0f);
   const Groom groom = BakeTorus(layer);
   ForEachVertex(groom, [&](size_t p, uint32_t v) {
@@ -106,10 +102,10 @@ TEST(ShellSkin, VerticesOfASeamHaveOneChain) {
 
 TEST(ShellSkin, StencilIsWhatTheMasksLeave) {
   LayerSetup layer = MakeShells();
-  layer.mask.uv = test::MakeMap([](float, float v) { return v < 0.5f ? v : 0.0f; });
+  layer.mask.uv = MakeMap([](float, float v) { return v < 0.5f ? v : 0.0f; });
   const Groom groom = BakeTorus(layer);
   ExpectValidGroom(groom);
-  EXPECT_LT(groom.layers[0].strand_count, test::MakeTorus().mesh.triangles.size());
+  EXPECT_LT(groom.layers[0].strand_count, MakeTorus().mesh.triangles.size());
   ForEachVertex(groom, [&](size_t p, uint32_t v) {
     const float at = groom.shell_skin[p].uv[v][1];
     const uint32_t colour = groom.shell_skin[p].base_colour[v];
@@ -128,7 +124,7 @@ TEST(ShellSkin, AMaterialAloneIsTakenWhole) {
   LayerSetup layer = MakeShells();
   layer.mask.materials = {"front"};
   const Groom groom = BakeTorus(layer);
-  EXPECT_EQ(groom.layers[0].strand_count, test::MakeTorus().mesh.triangles.size() / 2);
+  EXPECT_EQ(groom.layers[0].strand_count, MakeTorus().mesh.triangles.size() / 2);
   ForEachVertex(groom, [&](size_t p, uint32_t v) {
     EXPECT_EQ(groom.shell_skin[p].base_colour[v] >> 24, 255u);
   });
@@ -136,14 +132,14 @@ TEST(ShellSkin, AMaterialAloneIsTakenWhole) {
 
 TEST(ShellSkin, SaysWhyItCannotBe) {
   const auto error_of = [](const LayerSetup& layer, const TorusOptions& options) {
-    return test::ErrorFrom([&] { BakeTorus(layer, options); });
+    return ErrorFrom([&] { BakeTorus(layer, options); });
   };
   EXPECT_EQ(
       error_of(MakeShells(), {.uvs = false}),
       "torus.toml: layer 'shells': key 'output': shells are cut by a texture, and the mesh has "
       "no texture coordinates");
   LayerSetup bald = MakeShells();
-  bald.mask.uv = test::MakeMap([](float, float) { return 0.0f; });
+  bald.mask.uv = MakeMap([](float, float) { return 0.0f; });
   EXPECT_EQ(error_of(bald, {}),
             "torus.toml: layer 'shells': key 'mask': no triangle is left: 'mask.uv' alone leaves "
             "nothing of the surface");
@@ -167,4 +163,4 @@ TEST(ShellSkin, ComesBackFromAGroomFile) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

@@ -12,10 +12,8 @@
 #include "tests/character/gltf_builder.hpp"
 #include "tests/groom/png.hpp"
 
-namespace pelt {
+namespace pelt::test {
 namespace {
-
-using test::GltfBuilder;
 
 // What a test says of the quad's one material, its texture and its coordinates.
 struct Look {
@@ -27,7 +25,7 @@ struct Look {
 };
 
 Character MakeCharacter(const Look& look) {
-  GltfBuilder b = test::MakeQuad();
+  GltfBuilder b = MakeQuad();
   b.Attribute("TEXCOORD_0", b.Floats("VEC2", {0, 0, 1, 0, 1, 1, 0, 1}));
   b.Attribute("TEXCOORD_1", b.Floats("VEC2", look.uvs));
   if (!look.colours.empty()) b.Attribute("COLOR_0", b.Floats("VEC4", look.colours));
@@ -45,7 +43,7 @@ std::vector<uint8_t> Halves(const std::vector<uint8_t>& left, const std::vector<
   for (int x = 0; x < 8; ++x)
     pixels.insert(pixels.end(), x < 4 ? left.begin() : right.begin(),
                   x < 4 ? left.end() : right.end());
-  return test::MakePng(8, 1, int(left.size()), pixels);
+  return MakePng(8, 1, int(left.size()), pixels);
 }
 
 // "1" where fur grows, "0" where none does: at four places across the quad, from its left to its right.
@@ -230,4 +228,4 @@ TEST(SurfaceMasks, MapsLieWhereTheImageLies) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::test

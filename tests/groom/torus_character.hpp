@@ -6,6 +6,7 @@
 // lying in the x-z plane.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -109,6 +110,10 @@ inline Groom BakeTorus(const std::vector<LayerSetup>& layers, const TorusOptions
 
 inline Groom BakeTorus(const LayerSetup& layer, const TorusOptions& options = {}) {
   return BakeTorus(std::vector{layer}, options);
+}
+
+inline double DegreesBetween(const glm::dvec3& a, const glm::dvec3& b) {
+  return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * 180.0 / M_PI;
 }
 
 // Area of the rest pose, m^2.

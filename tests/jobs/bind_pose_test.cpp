@@ -7,10 +7,8 @@
 
 #include "tests/jobs/tiny_scene.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 TEST(BindPose, PutsTheMeshWhereItWasBound) {
   const Scenario scenario = TinyScenario();
@@ -19,8 +17,7 @@ TEST(BindPose, PutsTheMeshWhereItWasBound) {
   const auto made = FurScene::Create(grooms).OrThrow();
   FurScene& scene = *made;
   for (uint32_t c = 0; c < grooms.size(); ++c) FillBindPose(*grooms[c], scene.Pose(c));
-  ASSERT_EQ(BeginError(scene, {}), "");
-  SerialExecutor().Run(scene.CurrentFrame());
+  RunInput(scene, {});
   const auto& palette = *scene.memory().Of<&Streams::palette>(0);
   ASSERT_GT(groom.joint_count, 3u);
   for (uint32_t j = 0; j < groom.joint_count; ++j)
@@ -92,4 +89,4 @@ TEST(BindPose, StaysFiniteWithoutAnInverse) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

@@ -11,10 +11,8 @@
 #include "jobs/tbb_executor.hpp"
 #include "tests/jobs/tiny_scene.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 constexpr uint32_t kFrames = 3;
 
@@ -118,8 +116,7 @@ class ChangingExecutor final : public Executor {
 
 TEST(CallOrder, WhatChangesASceneComesBetweenFrames) {
   Scenario scenario = TinyScenario();
-  SerialExecutor serial;
-  const std::vector<uint64_t> truth = RunDigests(scenario, OptionsFor(BestIsa()), serial, kFrames);
+  const std::vector<uint64_t> truth = RunDigests(scenario, OptionsFor(BestIsa()), kFrames);
   RunningScenario running(scenario, OptionsFor(BestIsa())), other(scenario, OptionsFor(BestIsa()));
   FurScene& scene = running.scene();
   const std::vector<const Groom*> grooms = scenario.ActorGrooms();
@@ -205,8 +202,7 @@ TEST(CallOrder, AFrameWhoseInputWasRefusedCannotBeRun) {
 // Many threads, one frame: one of them runs it, all others get an error.
 TEST(CallOrder, OneOfManyThreadsRunsTheFrame) {
   Scenario scenario = TinyScenario();
-  SerialExecutor serial;
-  const uint64_t truth = RunDigests(scenario, OptionsFor(BestIsa()), serial, 1)[0];
+  const uint64_t truth = RunDigests(scenario, OptionsFor(BestIsa()), 1)[0];
   RunningScenario running(scenario, OptionsFor(BestIsa()));
   running.Begin(0);
   std::atomic<uint32_t> ran{0};
@@ -222,4 +218,4 @@ TEST(CallOrder, OneOfManyThreadsRunsTheFrame) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

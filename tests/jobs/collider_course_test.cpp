@@ -1,12 +1,9 @@
 // What a scene makes of the places and velocities of its colliders, frame by frame.
-#include "jobs/colliders.hpp"
-
 #include <gtest/gtest.h>
 
 #include "core/bind_pose.hpp"
-#include "core/groom/groom_file.hpp"
-#include "jobs/pelt.h"
-#include "tests/jobs/tiny_scene.hpp"
+#include "jobs/colliders.hpp"
+#include "tests/jobs/c_scene.hpp"
 
 namespace pelt {
 namespace {
@@ -123,7 +120,6 @@ TEST(ColliderCourse, WhatIsPutElsewhereMeetsNothingOnItsWay) {
 
 TEST(ColliderCourse, BarsComeInByTheCInterface) {
   const Scenario scenario = testing::TinyScenario();
-  const std::vector<std::byte> file = WriteGroom(scenario.grooms[0]).OrThrow();
   const auto ours = [&](float end_speed) {
     RunningScenario own(const_cast<Scenario&>(scenario), {});
     FillBindPose(scenario.grooms[0], own.scene().Pose(0));
@@ -132,15 +128,12 @@ TEST(ColliderCourse, BarsComeInByTheCInterface) {
       input.time_s = time_s;
       input.capsule_count = 1;
       input.capsule[0] = bar;
-      EXPECT_EQ(own.scene().BeginFrame(input), nullptr);
-      EXPECT_EQ(SerialExecutor().Run(own.scene().CurrentFrame()), nullptr);
+      testing::RunInput(own.scene(), input);
       return own.scene().DigestFrame();
     });
   };
-  const PeltBytes groom = {file.data(), file.size()};
-  char why[200] = "";
-  PeltScene* scene = pelt_create(&groom, 1, nullptr, why, sizeof why);
-  ASSERT_TRUE(scene) << why;
+  const testing::OwnScene made = testing::MakeCScene(nullptr);
+  PeltScene* const scene = made.get();
   const auto theirs = Swept(1.2f, [&](double time_s, const CapsuleCollider& bar) {
     PeltCapsule capsule{};
     std::copy_n(bar.from, 3, capsule.from);
@@ -158,7 +151,6 @@ TEST(ColliderCourse, BarsComeInByTheCInterface) {
     EXPECT_EQ(pelt_run(scene, nullptr), nullptr);
     return pelt_digest(scene);
   });
-  pelt_destroy(scene);
   EXPECT_EQ(theirs, ours(1.2f));
   EXPECT_NE(theirs, ours(0.0f));
 }

@@ -10,22 +10,15 @@
 #include <map>
 #include <set>
 
-#include "core/modal/quality_on_screen.hpp"
+#include "core/modal/modal_quality.hpp"
 #include "tests/jobs/tiny_scene.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
 
-using namespace testing;
-
 struct Drawn {
-  explicit Drawn(VertexOrder order) : running(scenario, Options(order)) { Run(0); }
-
-  void Run(uint32_t frame) { RunFrame(running, frame); }
-  static SceneOptions Options(VertexOrder order) {
-    SceneOptions options;
-    options.vertex_order = order;
-    return options;
+  explicit Drawn(VertexOrder order) : running(scenario, {.vertex_order = order}) {
+    RunFrame(running, 0);
   }
   FurScene& scene() { return running.scene(); }
 
@@ -242,4 +235,4 @@ TEST(Draws, AreNotThereWhileAFrameIsOpen) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

@@ -7,10 +7,9 @@
 
 #include "tests/jobs/synthetic_scene.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
 
-using namespace testing;
 using Holds = std::vector<bool>;
 
 class FrameGates : public ::testing::Test {
@@ -107,4 +106,4 @@ TEST_F(FrameGates, PiecesThatHoldDrawnStrandsAreRedrawn) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

@@ -5,15 +5,14 @@
 #include <cstring>
 #include <iterator>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include "jobs/frame_recording.hpp"
 #include "tests/jobs/synthetic_scene.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 struct AddParams {
   uint32_t add;
@@ -98,22 +97,23 @@ struct SumAllMarks {
 constexpr AddParams kOne{1};
 const std::vector<LayerSpec> kLayers = {{0, 0, 2, 1}, {0, kLong, 3, 2}, {1, kLong | kRound, 1, 3}};
 
+void RunStages(SyntheticScene& scene, std::vector<Stage> stages, const PlanOptions& options = {}) {
+  const Plan plan = CompilePlan(std::move(stages), scene.shape(), options).OrThrow();
+  SerialExecutor().Run({&plan, &scene.memory()});
+}
+
 std::vector<uint32_t> FirstKeys(SyntheticScene& scene) {
   std::vector<uint32_t> keys;
   for (uint32_t c = 0; c < scene.shape().chunk_count; ++c)
-    keys.push_back(scene.Block<KeyBlock>(StreamOf<&Toys::keys>, c).key[0]);
+    keys.push_back(scene.Of<&Toys::keys>(c).key[0]);
   return keys;
 }
 using Counts = std::vector<uint32_t>;
 
 // How often each chunk's stage ran under this gate and kind mask.
 Counts CountRuns(SyntheticScene& scene, Gate gate, KindMask kinds = {}) {
-  for (uint32_t c = 0; c < scene.shape().chunk_count; ++c)
-    scene.Block<KeyBlock>(StreamOf<&Toys::keys>, c).key[0] = 0;
-  const Plan plan =
-      CompilePlan({MakeStage<AddToKey>(Domain::kChunk, kOne, gate, kinds)}, scene.shape(), {})
-          .OrThrow();
-  SerialExecutor().Run({&plan, &scene.memory()});
+  for (uint32_t c = 0; c < scene.shape().chunk_count; ++c) scene.Of<&Toys::keys>(c).key[0] = 0;
+  RunStages(scene, {MakeStage<AddToKey>(Domain::kChunk, kOne, gate, kinds)});
   return FirstKeys(scene);
 }
 
@@ -125,7 +125,7 @@ TEST(Frame, RunsEveryItemOnce) {
 TEST(Frame, AConditionIsAskedOfEveryItem) {
   SyntheticScene scene(kLayers);
   const auto flags = [&](uint32_t chunk) -> uint32_t& {
-    return scene.Block<StateBlock>(StreamOf<&Toys::state>, chunk).flags;
+    return scene.Of<&Toys::state>(chunk).flags;
   };
   for (uint32_t c = 0; c < 6; ++c) flags(c) = 0;
   flags(1) = 1;
@@ -141,8 +141,7 @@ bool IsBoxed(const FrameMemory& memory, const ItemPlace& place) {
 
 TEST(Frame, AConditionMayLookAtWhatTheItemBelongsTo) {
   SyntheticScene scene(kLayers);
-  for (uint32_t l = 0; l < 3; ++l)
-    scene.Block<WordBlock>(StreamOf<&Toys::box>, l).word = l == 1 ? 7 : 8;
+  for (uint32_t l = 0; l < 3; ++l) scene.Of<&Toys::box>(l).word = l == 1 ? 7 : 8;
   const Condition boxed{&IsBoxed, Domain::kLayer, {StreamOf<&Toys::box>, Stream::kNone}};
   EXPECT_EQ(CountRuns(scene, {boxed}), Counts({0, 0, 1, 1, 1, 0}));
 }
@@ -169,55 +168,40 @@ TEST(Frame, KindsExcludeLayers) {
 
 TEST(Frame, StreamsThatAChunkLacksKeepItsStageAway) {
   SyntheticScene scene(kLayers);
-  const Plan plan = CompilePlan({Chunk<UseVertexPoints>()}, scene.shape(), {}).OrThrow();
-  SerialExecutor().Run({&plan, &scene.memory()});
+  RunStages(scene, {Chunk<UseVertexPoints>()});
   EXPECT_EQ(scene.memory().Block(StreamOf<&Toys::of_long>, 0), nullptr);
-  for (uint32_t c = 2; c < 6; ++c)
-    EXPECT_EQ(scene.Block<RowBlock>(StreamOf<&Toys::of_long>, c).a[0][0], 7.0f);
+  for (uint32_t c = 2; c < 6; ++c) EXPECT_EQ(scene.Of<&Toys::of_long>(c).a[0][0], 7.0f);
 }
 
 TEST(Frame, LayerStagesRunOncePerLayer) {
   SyntheticScene scene(kLayers);
-  for (uint32_t l = 0; l < 3; ++l) scene.Block<WordBlock>(StreamOf<&Toys::box>, l).word = 10 * l;
-  const Plan plan =
-      CompilePlan({MakeStage<AddToLayer>(Domain::kLayer, kOne)}, scene.shape(), {}).OrThrow();
-  SerialExecutor().Run({&plan, &scene.memory()});
-  for (uint32_t l = 0; l < 3; ++l)
-    EXPECT_EQ(scene.Block<WordBlock>(StreamOf<&Toys::box>, l).word, 10 * l + 1);
+  for (uint32_t l = 0; l < 3; ++l) scene.Of<&Toys::box>(l).word = 10 * l;
+  RunStages(scene, {MakeStage<AddToLayer>(Domain::kLayer, kOne)});
+  for (uint32_t l = 0; l < 3; ++l) EXPECT_EQ(scene.Of<&Toys::box>(l).word, 10 * l + 1);
 }
 
 TEST(Frame, SharedBlocksAreThoseOfTheItemsOwnParents) {
   SyntheticScene scene(kLayers);
-  const Plan plan =
-      CompilePlan({MakeStage<FetchParents>(Domain::kChunk, kOne)}, scene.shape(), {}).OrThrow();
-  SerialExecutor().Run({&plan, &scene.memory()});
+  RunStages(scene, {MakeStage<FetchParents>(Domain::kChunk, kOne)});
   const uint32_t layer_of[] = {0, 0, 1, 1, 1, 2}, character_of[] = {0, 0, 0, 0, 0, 1};
   for (uint32_t c = 0; c < 6; ++c) {
-    const auto& order = scene.Block<PlaceBlock>(StreamOf<&Toys::order>, c);
-    EXPECT_EQ(order.place[0], scene.Block<WordBlock>(StreamOf<&Toys::body>, character_of[c]).word);
-    EXPECT_EQ(order.place[1], scene.Block<WordBlock>(StreamOf<&Toys::box>, layer_of[c]).word);
+    const auto& order = scene.Of<&Toys::order>(c);
+    EXPECT_EQ(order.place[0], scene.Of<&Toys::body>(character_of[c]).word);
+    EXPECT_EQ(order.place[1], scene.Of<&Toys::box>(layer_of[c]).word);
     EXPECT_EQ(PlaceOf(scene.shape(), Domain::kChunk, c).first[size_t(Domain::kScene)], 0u);
   }
 }
 
-TEST(Frame, ChildrenOfALayerAreItsChunks) {
+TEST(Frame, ChildrenOfALayerAreItsChunksAndPatches) {
   const SceneShape shape = MakeShape(kLayers);
-  const ItemPlace layer = PlaceOf(shape, Domain::kLayer, 1);
-  EXPECT_EQ(layer.first[size_t(Domain::kChunk)], 2u);
-  EXPECT_EQ(layer.count[size_t(Domain::kChunk)], 3u);
-  const ItemPlace all = PlaceOf(shape, Domain::kScene, 0);
-  EXPECT_EQ(all.first[size_t(Domain::kLayer)], 0u);
-  EXPECT_EQ(all.count[size_t(Domain::kLayer)], 3u);
-}
-
-TEST(Frame, ChildrenOfALayerAreItsPatchesToo) {
-  const SceneShape shape = MakeShape(kLayers);
-  const ItemPlace layer = PlaceOf(shape, Domain::kLayer, 1);
-  EXPECT_EQ(layer.first[size_t(Domain::kPatch)], 1u);
-  EXPECT_EQ(layer.count[size_t(Domain::kPatch)], 2u);
-  const ItemPlace all = PlaceOf(shape, Domain::kScene, 0);
-  EXPECT_EQ(all.first[size_t(Domain::kPatch)], 0u);
-  EXPECT_EQ(all.count[size_t(Domain::kPatch)], 6u);
+  const auto expect = [](const ItemPlace& place, Domain of, uint32_t first, uint32_t count) {
+    EXPECT_EQ(place.first[size_t(of)], first) << int(of);
+    EXPECT_EQ(place.count[size_t(of)], count) << int(of);
+  };
+  expect(PlaceOf(shape, Domain::kLayer, 1), Domain::kChunk, 2, 3);
+  expect(PlaceOf(shape, Domain::kLayer, 1), Domain::kPatch, 1, 2);
+  expect(PlaceOf(shape, Domain::kScene, 0), Domain::kLayer, 0, 3);
+  expect(PlaceOf(shape, Domain::kScene, 0), Domain::kPatch, 0, 6);
 }
 
 TEST(Frame, PatchesAndChunksKnowTheirLayersFirst) {
@@ -263,14 +247,10 @@ TEST(Frame, PatchStagesRunOnEveryPatchThatTheirGateAndKindsLet) {
   const Condition odd{&HasOddMark, Domain::kPatch, {StreamOf<&Toys::marks>, Stream::kNone}};
   const auto marks_after = [&](Gate gate, KindMask kinds) {
     SyntheticScene scene(kLayers);
-    for (uint32_t p = 0; p < 6; ++p) scene.Block<WordBlock>(StreamOf<&Toys::marks>, p).word = p;
-    const Plan plan =
-        CompilePlan({MakeStage<AddToMark>(Domain::kPatch, kOne, gate, kinds)}, scene.shape(), {})
-            .OrThrow();
-    SerialExecutor().Run({&plan, &scene.memory()});
+    for (uint32_t p = 0; p < 6; ++p) scene.Of<&Toys::marks>(p).word = p;
+    RunStages(scene, {MakeStage<AddToMark>(Domain::kPatch, kOne, gate, kinds)});
     Counts marks;
-    for (uint32_t p = 0; p < 6; ++p)
-      marks.push_back(scene.Block<WordBlock>(StreamOf<&Toys::marks>, p).word);
+    for (uint32_t p = 0; p < 6; ++p) marks.push_back(scene.Of<&Toys::marks>(p).word);
     return marks;
   };
   EXPECT_EQ(marks_after({}, {}), Counts({1, 2, 3, 4, 5, 6}));
@@ -280,11 +260,8 @@ TEST(Frame, PatchStagesRunOnEveryPatchThatTheirGateAndKindsLet) {
 
 TEST(Frame, StreamsThatAPatchLacksKeepItsStageAway) {
   SyntheticScene scene(kLayers);
-  const Plan plan =
-      CompilePlan({MakeStage<UseLongParts>(Domain::kPatch)}, scene.shape(), {}).OrThrow();
-  SerialExecutor().Run({&plan, &scene.memory()});
-  for (uint32_t p = 1; p < 6; ++p)
-    EXPECT_EQ(scene.Block<RowBlock>(StreamOf<&Toys::long_parts>, p).a[0][0], 7.0f);
+  RunStages(scene, {MakeStage<UseLongParts>(Domain::kPatch)});
+  for (uint32_t p = 1; p < 6; ++p) EXPECT_EQ(scene.Of<&Toys::long_parts>(p).a[0][0], 7.0f);
 }
 
 // By places in the layer: patch in layer * lanes + lane.
@@ -293,45 +270,38 @@ TEST(Frame, ChunksGatherRecordsOfTheirLayersPatches) {
   const SceneShape& shape = scene.shape();
   Random random(9);
   for (uint32_t c = 0; c < shape.chunk_count; ++c)
-    for (uint32_t& place : scene.Block<PlaceBlock>(StreamOf<&Toys::order>, c).place)
+    for (uint32_t& place : scene.Of<&Toys::order>(c).place)
       place = random.Below(shape.LayerPatches(shape.chunk_layer[c]) * kToyLanes);
-  const Plan plan =
-      CompilePlan({MakeStage<CopyParts>(Domain::kChunk)}, shape, {.must_fit = false}).OrThrow();
-  SerialExecutor().Run({&plan, &scene.memory()});
+  RunStages(scene, {MakeStage<CopyParts>(Domain::kChunk)}, {.must_fit = false});
   for (uint32_t c = 0; c < shape.chunk_count; ++c)
     for (uint32_t i = 0; i < kToyLanes; ++i) {
-      const uint32_t place = scene.Block<PlaceBlock>(StreamOf<&Toys::order>, c).place[i];
+      const uint32_t place = scene.Of<&Toys::order>(c).place[i];
       const uint32_t patch = shape.layer_first_patch[shape.chunk_layer[c]] + place / kToyLanes;
-      const Record& from =
-          scene.Block<RecordBlock>(StreamOf<&Toys::parts>, patch).record[place % kToyLanes];
-      const Record& to = scene.Block<RecordBlock>(StreamOf<&Toys::copies>, c).record[i];
+      const Record& from = scene.Of<&Toys::parts>(patch).record[place % kToyLanes];
+      const Record& to = scene.Of<&Toys::copies>(c).record[i];
       ASSERT_EQ(std::memcmp(&from, &to, sizeof to), 0) << c << ' ' << i;
     }
 }
 
 TEST(Frame, ChunksGatherBlocksOfThePatchesTheyList) {
   SyntheticScene scene(kLayers);
-  for (uint32_t p = 0; p < 6; ++p) scene.Block<WordBlock>(StreamOf<&Toys::marks>, p).word = 1u << p;
-  scene.Block<ListBlock>(StreamOf<&Toys::list>, 5).patch[1] = ~0u;  // its layer's first alone
-  const Plan plan = CompilePlan({MakeStage<SumMarks>(Domain::kChunk)}, scene.shape(), {}).OrThrow();
-  SerialExecutor().Run({&plan, &scene.memory()});
+  for (uint32_t p = 0; p < 6; ++p) scene.Of<&Toys::marks>(p).word = 1u << p;
+  scene.Of<&Toys::list>(5).patch[1] = ~0u;  // its layer's first alone
+  RunStages(scene, {MakeStage<SumMarks>(Domain::kChunk)});
   EXPECT_EQ(FirstKeys(scene), Counts({1, 1, 2 + 4, 2 + 4, 2 + 4, 8}));
 }
 
 TEST(Frame, ALayerHasAllItsPatches) {
   SyntheticScene scene(kLayers);
-  for (uint32_t p = 0; p < 6; ++p) scene.Block<WordBlock>(StreamOf<&Toys::marks>, p).word = 1u << p;
-  const Plan plan =
-      CompilePlan({MakeStage<SumAllMarks>(Domain::kLayer)}, scene.shape(), {}).OrThrow();
-  SerialExecutor().Run({&plan, &scene.memory()});
+  for (uint32_t p = 0; p < 6; ++p) scene.Of<&Toys::marks>(p).word = 1u << p;
+  RunStages(scene, {MakeStage<SumAllMarks>(Domain::kLayer)});
   const uint32_t sums[] = {1, 2 + 4, 8 + 16 + 32};
-  for (uint32_t l = 0; l < 3; ++l)
-    EXPECT_EQ(scene.Block<WordBlock>(StreamOf<&Toys::box>, l).word, sums[l]);
+  for (uint32_t l = 0; l < 3; ++l) EXPECT_EQ(scene.Of<&Toys::box>(l).word, sums[l]);
 }
 
 TEST(Frame, ProfileTellsWhatRanAndWhatDidNot) {
   SyntheticScene scene(kLayers);
-  scene.Block<StateBlock>(StreamOf<&Toys::state>, 4).flags = 0;
+  scene.Of<&Toys::state>(4).flags = 0;
   const Plan plan = CompilePlan({MakeStage<AddToKey>(Domain::kChunk, kOne, {kWithToyFlags<1>}),
                                  MakeStage<AddToLayer>(Domain::kLayer, kOne)},
                                 scene.shape(), {})
@@ -420,7 +390,7 @@ TEST(FrameGraph, ListsThatCanBeReadSayWhichItemsAreAwaited) {
   SyntheticScene scene({{0, 0, 2, 3}});
   const uint32_t named[] = {1, 2};  // by chunks 0 and 1
   for (uint32_t c = 0; c < 2; ++c) {
-    auto& list = scene.Block<ListBlock>(StreamOf<&Toys::list>, c);
+    auto& list = scene.Of<&Toys::list>(c);
     std::fill(std::begin(list.patch), std::end(list.patch), ~0u);
     list.patch[0] = named[c];
   }
@@ -443,4 +413,4 @@ TEST(FrameGraph, ListsThatCanBeReadSayWhichItemsAreAwaited) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

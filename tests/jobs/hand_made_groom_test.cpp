@@ -8,10 +8,8 @@
 #include "jobs/scene.hpp"
 #include "tests/jobs/tiny_scene.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 struct Spoilt {
   const char* says;
@@ -52,4 +50,4 @@ TEST(HandMadeGroom, IsRefusedAsAFileWouldBe) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

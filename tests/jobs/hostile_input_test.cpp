@@ -9,10 +9,8 @@
 #include "tests/jobs/non_finite.hpp"
 #include "tests/jobs/pair_scene.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 constexpr float kLargest = 1e6f;
 
@@ -124,42 +122,25 @@ void SpoilInput(Random& random, FrameInput& in) {
 void RunHostileCourse(uint64_t seed, std::optional<Solver> solver) {
   Scenario scenario = PairScenario();
   if (solver)
-    for (Groom& groom : scenario.grooms)
-      for (GroomLayer& layer : groom.layers)
-        if (layer.params.solver != Solver::kVerlet || *solver != Solver::kModal)
-          if (layer.params.chain == ChainKind::kStrand || *solver != Solver::kVerlet)
-            layer.params.solver = *solver;
+    for (LayerParams* layer : LayersOf(scenario))
+      if (layer->solver != Solver::kVerlet || *solver != Solver::kModal)
+        if (layer->chain == ChainKind::kStrand || *solver != Solver::kVerlet)
+          layer->solver = *solver;
   RunningScenario running(scenario, OptionsFor(BestIsa()));
   FurScene& scene = running.scene();
-  SerialExecutor serial;
   Random random(seed);
   for (uint32_t f = 0; f < 16; ++f) {
     FrameInput input = scenario.PrepareFrame(f, scene);
     SpoilInput(random, input);
     for (uint32_t c = 0; c < 2; ++c)
       if (random.Below(2)) SpoilPose(random, scene.Pose(c));
-    ASSERT_EQ(BeginError(scene, input), "") << "seed " << seed << ", frame " << f;
-    serial.Run(scene.CurrentFrame());
-    ASSERT_EQ(FindNonFinite(scene), "") << "seed " << seed << ", frame " << f;
+    SCOPED_TRACE(::testing::Message() << "seed " << seed << ", frame " << f);
+    RunInput(scene, input);
+    ASSERT_EQ(FindNonFinite(scene), "");
   }
-  for (uint32_t f = 0; f < 60; ++f) {
-    running.Begin(f);
-    serial.Run(scene.CurrentFrame());
-  }
-  const auto expect_near = [&](Stream stream, uint32_t points) {
-    for (uint32_t i = 0; i < scene.shape().ItemCount(DescribeStream(stream).domain); ++i) {
-      const float* p = scene.memory().As<float>(stream, i);
-      for (uint32_t row = 0; p && row < 3 * (points - 1); ++row)
-        for (uint32_t lane = 0; lane < scene.LiveLanes(stream, i); ++lane)
-          ASSERT_LT(std::abs(p[row * kStrandsPerChunk + lane]), 10.0f)
-              << "seed " << seed << ": " << DescribeStream(stream).name << " of item " << i
-              << ", lane " << lane;
-    }
-  };
-  expect_near(StreamOf<&Streams::vertex_points>, 4);
-  expect_near(StreamOf<&Streams::strand_points4>, 4);
-  expect_near(StreamOf<&Streams::strand_points5>, 5);
-  expect_near(StreamOf<&Streams::strand_points9>, 9);
+  for (uint32_t f = 0; f < 60; ++f) RunFrame(running, f);
+  SCOPED_TRACE(seed);
+  ExpectPointsNear(scene);
 }
 
 TEST(HostileInput, NothingMakesTheStateNonFinite) {
@@ -173,4 +154,4 @@ TEST(HostileInput, NothingMakesPbdNonFinite) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

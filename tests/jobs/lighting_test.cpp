@@ -6,10 +6,8 @@
 
 #include "tests/jobs/tiny_scene.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 constexpr Stream kStream = StreamOf<&Streams::layer_light>;
 // What lit layers have and others have not: light, looks, paint, looks of painted ones.
@@ -28,8 +26,7 @@ struct LitRun {
   void Run() {
     FrameInput input = running.Prepare(frame++, skip, {});
     input.lighting = lighting;
-    ASSERT_EQ(BeginError(running.scene(), input), "");
-    SerialExecutor().Run(running.scene().CurrentFrame());
+    RunInput(running.scene(), input);
   }
   // Layers that were lit by the last frame.
   uint32_t CountLit() {
@@ -143,4 +140,4 @@ TEST(LitLayers, ALightDoesNotWakeAnybody) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

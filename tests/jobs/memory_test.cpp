@@ -13,10 +13,8 @@
 #include <malloc.h>
 #endif
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 bool Says(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
@@ -31,15 +29,12 @@ struct Measured {
 TEST(MemoryBudget, ExactlyEnoughIsEnough) {
   const Measured m;
   EXPECT_EQ(FindBudgetFault(m.layout, m.layout.total_bytes), "");
-  SceneOptions options;
-  options.memory_budget_bytes = m.layout.total_bytes;
-  EXPECT_EQ(MeasureScene(m.grooms, options).error(), "");
+  EXPECT_EQ(MeasureScene(m.grooms, {.memory_budget_bytes = m.layout.total_bytes}).error(), "");
 }
 
 TEST(MemoryBudget, OneByteLessIsRefusedAndSaysWhy) {
   const Measured m;
-  SceneOptions options;
-  options.memory_budget_bytes = m.layout.total_bytes - 1;
+  const SceneOptions options{.memory_budget_bytes = m.layout.total_bytes - 1};
   const std::string error = MeasureScene(m.grooms, options).error();
   EXPECT_TRUE(Says(error, std::to_string(m.layout.total_bytes) + " bytes, 1 more")) << error;
   EXPECT_TRUE(Says(error, "strands would fit")) << error;
@@ -111,4 +106,4 @@ TEST(FrameDigest, IsThatOfItsBlocksInOrder) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

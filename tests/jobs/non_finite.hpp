@@ -1,4 +1,5 @@
-// Whether everything a scene's last frame computed is finite: for tests that give it hostile input.
+// Whether everything a scene's last frame computed is finite, and where it belongs: for tests that give it
+// hostile input.
 #pragma once
 
 #include <cmath>

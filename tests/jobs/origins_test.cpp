@@ -7,8 +7,8 @@
 
 #include "bench/accuracy/double3.hpp"
 #include "core/groom/groom_file.hpp"
-#include "jobs/pelt.h"
 #include "platform_sim/local_store.hpp"
+#include "tests/jobs/c_scene.hpp"
 #include "tests/jobs/non_finite.hpp"
 #include "tests/jobs/pair_scene.hpp"
 
@@ -26,11 +26,7 @@ Scenario Calm(Scenario scenario) {
   return scenario;
 }
 
-SceneOptions WithOrigins() {
-  SceneOptions options;
-  options.origins = true;
-  return options;
-}
+const SceneOptions kWithOrigins{.origins = true};
 
 // Points of all living strands of a scene, relative to where the scenario is, by layer.
 std::vector<std::vector<Double3>> PointsOf(const Scenario& scenario, FurScene& scene) {
@@ -70,10 +66,7 @@ double Apart(Scenario a, Scenario b, uint32_t frames, double share) {
   RunningScenario first(a, {}), second(b, {});
   std::vector<double> apart;
   for (uint32_t f = 0; f < frames; ++f) {
-    for (RunningScenario* run : {&first, &second}) {
-      run->Begin(f);
-      EXPECT_EQ(SerialExecutor().Run(run->scene().CurrentFrame()), nullptr);
-    }
+    for (RunningScenario* run : {&first, &second}) RunFrame(*run, f);
     AddApart(PointsOf(a, first.scene()), PointsOf(b, second.scene()), apart);
   }
   return Quantile(apart, share);
@@ -82,25 +75,22 @@ double Apart(Scenario a, Scenario b, uint32_t frames, double share) {
 TEST(Origins, OfZeroAreTheSameBits) {
   for (const bool clips : {false, true}) {
     Scenario scenario = clips ? PairScenario() : EveryOutputScenario();
-    SerialExecutor serial;
-    const auto expected = RunDigests(scenario, {}, serial, 12);
-    ExpectSameFrames(expected, RunDigests(scenario, WithOrigins(), serial, 12), "origins of 0");
+    const auto expected = RunDigests(scenario, {}, 12);
+    ExpectSameFrames(expected, RunDigests(scenario, kWithOrigins, 12), "origins of 0");
   }
 }
 
 // The frame's origin and the characters' is the same: there is nothing to convert.
 TEST(Origins, ThatAllShareAreTheSameBits) {
   Scenario scenario = Calm(EveryOutputScenario());
-  SerialExecutor serial;
-  const auto expected = RunDigests(scenario, {}, serial, 8);
-  RunningScenario run(scenario, WithOrigins());
+  const auto expected = RunDigests(scenario, {}, 8);
+  RunningScenario run(scenario, kWithOrigins);
   const double origin[3] = {1.0e6 / 3.0, -17.1, 9.9e6};
   std::copy_n(origin, 3, run.scene().Origin(0));
   for (uint32_t f = 0; f < 8; ++f) {
     FrameInput input = run.Prepare(f, scenario.base.skip, scenario.base.lod);
     std::copy_n(origin, 3, input.origin);
-    ASSERT_TRUE(run.TryBegin(input)) << run.RefusalText(f);
-    serial.Run(run.scene().CurrentFrame());
+    RunInput(run, input);
     EXPECT_EQ(run.scene().DigestFrame(), expected[f]) << f;
     for (const LayerDraw& draw : run.scene().Draws()) EXPECT_EQ(draw.origin[2], 9.9e6);
   }
@@ -110,10 +100,8 @@ TEST(Origins, ThatAllShareAreTheSameBits) {
 TEST(Origins, ThatMoveAreNotSeen) {
   for (const Solver solver : {Solver::kPbd, Solver::kVerlet, Solver::kModal}) {
     Scenario still = Calm(PairScenario());
-    for (Groom& groom : still.grooms)
-      for (GroomLayer& layer : groom.layers)
-        if (solver != Solver::kVerlet || layer.params.chain == ChainKind::kStrand)
-          layer.params.solver = solver;
+    for (LayerParams* layer : LayersOf(still))
+      if (solver != Solver::kVerlet || layer->chain == ChainKind::kStrand) layer->solver = solver;
     // As thick as the fur, where hips are: it does not go the origin's way.
     CapsuleCollider bar;
     bar.radius = 0.2f;
@@ -149,10 +137,7 @@ TEST(Origins, ThatMovePaintTheSameStrands) {
   moving.origins = true;
   RunningScenario first(still, {}), second(moving, {});
   for (uint32_t f = 0; f < 6; ++f)
-    for (RunningScenario* run : {&first, &second}) {
-      run->Begin(f);
-      ASSERT_EQ(SerialExecutor().Run(run->scene().CurrentFrame()), nullptr);
-    }
+    for (RunningScenario* run : {&first, &second}) RunFrame(*run, f);
   const std::vector<uint32_t> a = PaintOf(first.scene()), b = PaintOf(second.scene());
   ASSERT_EQ(a.size(), b.size());
   size_t painted = 0, apart = 0;
@@ -186,7 +171,7 @@ TEST(Origins, AreRefusedWithTheReason) {
   input.origin[1] = 1.0;
   EXPECT_EQ(BeginError(without.scene(), input),
             "origin: the scene was made without SceneOptions::origins");
-  RunningScenario with(scenario, WithOrigins());
+  RunningScenario with(scenario, kWithOrigins);
   FurScene& scene = with.scene();
   input = with.Prepare(0, {}, {});
   input.origin[1] = std::numeric_limits<double>::quiet_NaN();
@@ -195,13 +180,12 @@ TEST(Origins, AreRefusedWithTheReason) {
   for (uint32_t f = 0; f < 3; ++f) {
     input = with.Prepare(f, {}, {});
     scene.Origin(0)[2] = f == 1 ? std::numeric_limits<double>::infinity() : 0.05;
-    ASSERT_EQ(BeginError(scene, input), "");
+    RunInput(scene, input);
     ASSERT_EQ(scene.RefusedPoses().size(), f == 1 ? 1u : 0u);
     if (f == 1) {
       EXPECT_EQ(DescribeRefusedPose(scene.RefusedPoses()[0]),
                 "pose of character 0: its origin is not finite, or beyond 1e7 m");
     }
-    SerialExecutor().Run(scene.CurrentFrame());
     ASSERT_FALSE(scene.Draws().empty());
     for (const LayerDraw& draw : scene.Draws()) EXPECT_EQ(draw.origin[2], 0.05) << f;
   }
@@ -210,7 +194,7 @@ TEST(Origins, AreRefusedWithTheReason) {
 // A scene at rest whose origins move wakes, is drawn where it was, and goes to sleep again.
 TEST(Origins, ARestingSceneSleepsAgain) {
   Scenario scenario = RestingScenario(20);
-  RunningScenario run(scenario, WithOrigins());
+  RunningScenario run(scenario, kWithOrigins);
   FurScene& scene = run.scene();
   std::vector<std::vector<Double3>> before;
   uint32_t asleep = 0;
@@ -219,8 +203,7 @@ TEST(Origins, ARestingSceneSleepsAgain) {
     const float moved = f < 600 ? 0.0f : 0.25f;
     scene.Origin(0)[0] = double(moved);
     scene.Pose(0).root[3] -= moved;
-    ASSERT_TRUE(run.TryBegin(input));
-    SerialExecutor().Run(scene.CurrentFrame());
+    RunInput(run, input);
     if (f == 599) before = PointsOf(scenario, scene), asleep = CountAsleep(scene);
   }
   EXPECT_GT(asleep, 10u);
@@ -233,13 +216,12 @@ TEST(Origins, ARestingSceneSleepsAgain) {
 // The pose is given as before, so the character goes along with its origin: its fur is dragged after it.
 TEST(Origins, ThatMoveUnderAStillPoseWakeEverybody) {
   Scenario scenario = RestingScenario(20);
-  RunningScenario run(scenario, WithOrigins());
+  RunningScenario run(scenario, kWithOrigins);
   FurScene& scene = run.scene();
   const auto run_frame = [&](uint32_t f, double at) {
     const FrameInput input = run.Prepare(f, scenario.base.skip, scenario.base.lod);
     scene.Origin(0)[0] = at;
-    ASSERT_TRUE(run.TryBegin(input));
-    SerialExecutor().Run(scene.CurrentFrame());
+    RunInput(run, input);
   };
   for (uint32_t f = 0; f < 600; ++f) run_frame(f, 0.0);
   EXPECT_GT(CountAsleep(scene), 10u);
@@ -255,37 +237,29 @@ TEST(Origins, GiveTheSameBitsInALocalStore) {
   Scenario scenario = PairScenario();
   scenario.origins = true;
   scenario.place = {1.0e4, 2.0, 3.0};
-  SerialExecutor serial;
   LocalStoreExecutor local(PlanOptions{}.local_store_data_bytes);
-  ExpectSameFrames(RunDigests(scenario, {}, serial, 5), RunDigests(scenario, {}, local, 5),
-                   "local");
+  ExpectSameFrames(RunDigests(scenario, {}, 5), RunDigests(scenario, {}, local, 5), "local");
   EXPECT_TRUE(local.faults().empty());
 }
 
 // Jumps of the origin of any size leave everything finite.
 TEST(Origins, AnyLeapIsFinite) {
   Scenario scenario = EveryOutputScenario();
-  RunningScenario run(scenario, WithOrigins());
+  RunningScenario run(scenario, kWithOrigins);
   const double leaps[] = {0.0, 1.0e7, -1.0e7, 1.0e-9, 3.0, 3.0};
   for (uint32_t f = 0; f < 6; ++f) {
     const FrameInput input = run.Prepare(f, scenario.base.skip, scenario.base.lod);
     for (int k = 0; k < 3; ++k) run.scene().Origin(0)[k] = leaps[f];
-    ASSERT_TRUE(run.TryBegin(input));
-    SerialExecutor().Run(run.scene().CurrentFrame());
+    RunInput(run, input);
     EXPECT_EQ(FindNonFinite(run.scene()), "") << f;
   }
 }
 
 TEST(Origins, ComeInByTheCInterface) {
-  const Scenario scenario = TinyScenario();
-  const std::vector<std::byte> file = WriteGroom(scenario.grooms[0]).OrThrow();
-  const PeltBytes groom = {file.data(), file.size()};
   PeltSceneOptions options{};
   options.origins = 1;
-  char why[200] = "";
-  PeltScene* scene = pelt_create(&groom, 1, &options, why, sizeof why);
-  PeltScene* plain = pelt_create(&groom, 1, nullptr, why, sizeof why);
-  ASSERT_TRUE(scene && plain) << why;
+  const OwnScene own = MakeCScene(&options), own_plain = MakeCScene(nullptr);
+  PeltScene *const scene = own.get(), *const plain = own_plain.get();
   const double origin[3] = {5.0e6, 0.25, -3.0};
   EXPECT_STREQ(pelt_set_origin(plain, 0, origin), "the scene was made without origins");
   EXPECT_NE(pelt_set_origin(scene, 1, origin), nullptr);
@@ -304,8 +278,6 @@ TEST(Origins, ComeInByTheCInterface) {
   ASSERT_GT(count, 0u);
   for (uint32_t d = 0; d < count; ++d)
     for (int k = 0; k < 3; ++k) EXPECT_EQ(draws[d].origin[k], origin[k]);
-  pelt_destroy(scene);
-  pelt_destroy(plain);
 }
 
 // Going back in time takes the origins along.
@@ -313,11 +285,9 @@ TEST(Origins, AreCopiedWithTheState) {
   Scenario scenario = Calm(PairScenario());
   scenario.origins = true;
   RunningScenario a(scenario, {}), b(scenario, {});
-  SerialExecutor serial;
-  for (uint32_t f = 0; f < 6; ++f) a.Begin(f), serial.Run(a.scene().CurrentFrame());
+  for (uint32_t f = 0; f < 6; ++f) RunFrame(a, f);
   ASSERT_TRUE(b.scene().CopyStateFrom(a.scene()));
-  a.Begin(6), serial.Run(a.scene().CurrentFrame());
-  b.Begin(6), serial.Run(b.scene().CurrentFrame());
+  RunFrame(a, 6), RunFrame(b, 6);
   EXPECT_EQ(a.scene().DigestFrame(), b.scene().DigestFrame());
 }
 

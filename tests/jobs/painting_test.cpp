@@ -6,10 +6,8 @@
 #include "tests/jobs/tiny_scene.hpp"
 #include "traces/input_log.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 constexpr Stream kPaint = StreamOf<&Streams::paint>, kLooks = StreamOf<&Streams::looks>;
 
@@ -26,8 +24,7 @@ struct PaintedRun {
     input = running.Prepare(frame++, skip, lod);
     input.brush_count = uint32_t(brushes.size());
     std::copy(brushes.begin(), brushes.end(), input.brush);
-    ASSERT_EQ(BeginError(scene(), input), "");
-    SerialExecutor().Run(scene().CurrentFrame());
+    RunInput(scene(), input);
   }
   void RunUntilAsleep() {
     while (frame < 8 || CountChunks(scene(), kChunkSimulate) != 0) {
@@ -164,13 +161,7 @@ std::vector<PaintBrush> BrushesOf(uint32_t frame) {
 }
 
 TEST(PaintedLayers, AreTheSameWithAllSkipsOff) {
-  const SkipSettings none{.sleep = false,
-                          .unmoved = false,
-                          .sort = false,
-                          .cull = false,
-                          .wind = false,
-                          .light = false};
-  PaintedRun lazy(5), eager(5, none);
+  PaintedRun lazy(5), eager(5, kNoSkips);
   for (uint32_t f = 0; f < 24; ++f) {
     lazy.Run(BrushesOf(f));
     eager.Run(BrushesOf(f));
@@ -194,8 +185,7 @@ TEST(PaintedLayers, PaintIsState) {
   pause.dt_s = 0.0;
   pause.brush_count = 1;
   pause.brush[0] = Ball(PaintChannel::kDust, 1.0f, 0.9f, 5.0f);
-  ASSERT_EQ(BeginError(run.scene(), pause), "");
-  SerialExecutor().Run(run.scene().CurrentFrame());
+  RunInput(run.scene(), pause);
   EXPECT_EQ(run.scene().DigestStream(kPaint), paint);
   run.scenario.actors[0].teleport_frame = int32_t(run.frame);
   run.Run();
@@ -236,8 +226,7 @@ TEST(PaintedLayers, WhatIsRecordedPaintsAgain) {
   const auto scene = FurScene::Create(grooms).OrThrow();
   for (uint32_t f = 0; f < log.FrameCount(); ++f) {
     log.FillPose(f, 0, &scene->Pose(0));
-    ASSERT_EQ(BeginError(*scene, log.Input(f)), "");
-    SerialExecutor().Run(scene->CurrentFrame());
+    RunInput(*scene, log.Input(f));
     ASSERT_EQ(scene->DigestFrame(), log.frames[f].digest) << f;
   }
   EXPECT_EQ(scene->DigestStream(kPaint), run.scene().DigestStream(kPaint));
@@ -287,4 +276,4 @@ TEST(PaintedLayers, WeatherIsInTheirLooks) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

@@ -6,10 +6,8 @@
 #include "platform_sim/local_store.hpp"
 #include "tests/jobs/tiny_scene.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 const FrameInput PausedInput(Scenario& scenario, uint32_t frame, FurScene& scene) {
   FrameInput input = scenario.PrepareFrame(frame, scene);
@@ -43,9 +41,8 @@ void ExpectPausesChangeNothing(Scenario scenario, uint32_t frames, const SkipSet
       scene.Pose(0).root[3] += 100.0f;
       scene.Pose(0).translation_key[0][0][1] = std::nanf("");
       input.camera = scenario.PrepareFrame(f, scene).camera;
-      ASSERT_EQ(BeginError(scene, input), "");
+      RunInput(scene, input, executor);
       EXPECT_TRUE(scene.RefusedPoses().empty());
-      executor.Run(scene.CurrentFrame());
       ASSERT_EQ(scene.DigestFrame(), truth[f]) << "pause " << p << " after frame " << f;
     }
   }
@@ -57,13 +54,7 @@ TEST(Pause, KeepsEverything) {
   ExpectPausesChangeNothing(TinyScenario(), 30, {}, lod, serial, OptionsFor(BestIsa()));
   lod.strand_budget = 300;
   ExpectPausesChangeNothing(TinyScenario(), 12, {.lod = true}, lod, serial, OptionsFor(BestIsa()));
-  const SkipSettings no_skips{.sleep = false,
-                              .unmoved = false,
-                              .sort = false,
-                              .cull = false,
-                              .wind = false,
-                              .light = false};
-  ExpectPausesChangeNothing(TinyScenario(), 8, no_skips, {}, serial, OptionsFor(BestIsa()));
+  ExpectPausesChangeNothing(TinyScenario(), 8, kNoSkips, {}, serial, OptionsFor(BestIsa()));
 }
 
 TEST(Pause, IsTheSameOnOtherExecutorsAndOrders) {
@@ -73,7 +64,7 @@ TEST(Pause, IsTheSameOnOtherExecutorsAndOrders) {
   pieces.piecewise_sort_chunks = 1;
   LocalStoreExecutor local(pieces.plan.local_store_data_bytes);
   ExpectPausesChangeNothing(TinyScenario(), 8, {}, {}, local, pieces);
-  for (const LocalStoreFault& f : local.faults()) ADD_FAILURE() << f.stage << ": " << f.what;
+  ExpectNoFaults(local);
   SceneOptions unsorted = OptionsFor(BestIsa());
   unsorted.vertex_order = VertexOrder::kIndexBuffer;
   SerialExecutor serial;
@@ -84,18 +75,12 @@ TEST(Pause, KeepsSleepersAsleep) {
   Scenario scenario = RestingScenario(4);
   RunningScenario running(scenario, OptionsFor(BestIsa()));
   FurScene& scene = running.scene();
-  SerialExecutor serial;
   uint32_t f = 0;
-  for (; f < 400 && CountAsleep(scene) == 0; ++f) {
-    running.Begin(f);
-    serial.Run(scene.CurrentFrame());
-  }
+  for (; f < 400 && CountAsleep(scene) == 0; ++f) RunFrame(running, f);
   const uint32_t asleep = CountAsleep(scene);
   ASSERT_GT(asleep, 0u);
-  ASSERT_EQ(BeginError(scene, PausedInput(scenario, f, scene)), "");
-  serial.Run(scene.CurrentFrame());
-  running.Begin(f);
-  serial.Run(scene.CurrentFrame());
+  RunInput(scene, PausedInput(scenario, f, scene));
+  RunFrame(running, f);
   EXPECT_GE(CountAsleep(scene), asleep);
 }
 
@@ -104,12 +89,8 @@ TEST(Pause, KeepsSleepersAsleep) {
 TEST(Pause, FollowsTheView) {
   Scenario scenario = TinyScenario();
   RunningScenario looking(scenario, OptionsFor(BestIsa())), plain(scenario, OptionsFor(BestIsa()));
-  SerialExecutor serial;
   for (uint32_t f = 0; f < 10; ++f) {
-    for (RunningScenario* running : {&looking, &plain}) {
-      running->Begin(f);
-      serial.Run(running->scene().CurrentFrame());
-    }
+    for (RunningScenario* running : {&looking, &plain}) RunFrame(*running, f);
     ASSERT_EQ(looking.scene().DigestFrame(), plain.scene().DigestFrame()) << "frame " << f;
     FurScene& scene = looking.scene();
     const uint64_t points = scene.DigestStream(StreamOf<&Streams::curves>),
@@ -117,15 +98,13 @@ TEST(Pause, FollowsTheView) {
     FrameInput turned = PausedInput(scenario, f, scene);
     std::swap(turned.camera.eye[0], turned.camera.eye[2]);
     turned.camera.eye[1] += 0.1f;
-    ASSERT_EQ(BeginError(scene, turned), "");
-    serial.Run(scene.CurrentFrame());
+    RunInput(scene, turned);
     EXPECT_EQ(scene.DigestStream(StreamOf<&Streams::curves>), points);
     EXPECT_NE(scene.DigestStream(StreamOf<&Streams::sort_keys>), keys);
     const uint64_t order = scene.DigestStream(StreamOf<&Streams::order>);
     // Without skipping the sort, from the same place.
     turned.skip.sort = false;
-    ASSERT_EQ(BeginError(scene, turned), "");
-    serial.Run(scene.CurrentFrame());
+    RunInput(scene, turned);
     EXPECT_EQ(scene.DigestStream(StreamOf<&Streams::order>), order);
   }
 }
@@ -145,18 +124,14 @@ TEST(Pause, FromTheSameEyeDrawsNothingAgain) {
   Scenario scenario = TinyScenario();
   RunningScenario running(scenario, OptionsFor(BestIsa()));
   FurScene& scene = running.scene();
-  SerialExecutor serial;
   for (uint32_t f = 0; f < 4; ++f) {
-    running.Begin(f);
-    serial.Run(scene.CurrentFrame());
+    RunFrame(running, f);
     EXPECT_GT(CountRedrawn(scene), 0u) << "frame " << f;
     FrameInput paused = PausedInput(scenario, f, scene);
-    ASSERT_EQ(BeginError(scene, paused), "");
-    serial.Run(scene.CurrentFrame());
+    RunInput(scene, paused);
     EXPECT_EQ(CountRedrawn(scene), 0u) << "pause after frame " << f;
     paused.camera.eye[1] += 0.1f;
-    ASSERT_EQ(BeginError(scene, paused), "");
-    serial.Run(scene.CurrentFrame());
+    RunInput(scene, paused);
     EXPECT_GT(CountRedrawn(scene), 0u) << "from elsewhere after frame " << f;
   }
 }
@@ -166,17 +141,13 @@ TEST(Pause, FromFarAwayIsNoReasonToBeLessExact) {
   Scenario scenario = TinyScenario();
   scenario.base.lod.fast_quality_px = 0.01f;
   RunningScenario looking(scenario, OptionsFor(BestIsa())), plain(scenario, OptionsFor(BestIsa()));
-  SerialExecutor serial;
   for (uint32_t f = 0; f < 10; ++f) {
-    for (RunningScenario* running : {&looking, &plain}) {
-      running->Begin(f, {}, scenario.base.lod);
-      serial.Run(running->scene().CurrentFrame());
-    }
+    for (RunningScenario* running : {&looking, &plain})
+      RunFrame(*running, f, {}, scenario.base.lod);
     ASSERT_EQ(looking.scene().DigestFrame(), plain.scene().DigestFrame()) << "frame " << f;
     FrameInput far = PausedInput(scenario, f, looking.scene());
     far.camera.eye[2] += 1000.0f;
-    ASSERT_EQ(BeginError(looking.scene(), far), "");
-    serial.Run(looking.scene().CurrentFrame());
+    RunInput(looking.scene(), far);
   }
 }
 
@@ -184,20 +155,16 @@ TEST(Pause, AsTheFirstFrameShowsTheGroom) {
   Scenario scenario = TinyScenario();
   RunningScenario paused(scenario, OptionsFor(BestIsa()));
   FurScene& scene = paused.scene();
-  SerialExecutor serial;
-  ASSERT_EQ(BeginError(scene, PausedInput(scenario, 0, scene)), "");
-  serial.Run(scene.CurrentFrame());
+  RunInput(scene, PausedInput(scenario, 0, scene));
   EXPECT_GT(scene.DrawnStrands(), 0u);
   const uint64_t at_first = scene.DigestFrame();
-  ASSERT_EQ(BeginError(scene, PausedInput(scenario, 0, scene)), "");
-  serial.Run(scene.CurrentFrame());
+  RunInput(scene, PausedInput(scenario, 0, scene));
   EXPECT_EQ(scene.DigestFrame(), at_first);
   for (uint32_t f = 0; f < 5; ++f) {
-    paused.Begin(f);
-    serial.Run(scene.CurrentFrame());
+    RunFrame(paused, f);
     EXPECT_NE(scene.DigestFrame(), at_first);
   }
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

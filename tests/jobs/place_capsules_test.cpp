@@ -1,7 +1,5 @@
 // A capsule that is bound to a joint goes where the joint goes: the frame with it is the frame with
 // a free one at that place, bit for bit.
-#include "jobs/colliders.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,13 +8,12 @@
 #include <vector>
 
 #include "core/kernels/frame_table.hpp"
+#include "jobs/colliders.hpp"
 #include "platform_sim/local_store.hpp"
 #include "tests/jobs/pair_scene.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 // Bound to `joint`, from its origin some way along its own axes, thick enough to part the fur.
 CapsuleCollider BoundTo(uint32_t character, uint32_t joint) {
@@ -40,8 +37,7 @@ void RunWith(Scenario& scenario, uint32_t frame, FurScene& scene, Executor& exec
   FrameInput input = scenario.PrepareFrame(frame, scene);
   input.capsule_count = uint32_t(capsules.size());
   std::copy(capsules.begin(), capsules.end(), input.capsule);
-  ASSERT_EQ(BeginError(scene, input), "");
-  executor.Run(scene.CurrentFrame());
+  RunInput(scene, input, executor);
 }
 
 // The capsule where last frame's palette has it, in double: the inverse bind matrix M of a joint
@@ -124,8 +120,7 @@ TEST(PlaceCapsules, TheFrameIsThatOfAFreeOneAtItsPlaceWithItsVelocity) {
   Scenario scenario = PairScenario();
   RunningScenario bound(scenario, {}), free(scenario, {}), without(scenario, {});
   PoseGate gate = GateOf(scenario);
-  SceneOptions options;
-  LocalStoreExecutor local(options.plan.local_store_data_bytes);
+  LocalStoreExecutor local(PlanOptions{}.local_store_data_bytes);
   SerialExecutor serial;
   const CapsuleCollider capsule = BoundTo(0, AnyJoint(bound.scene()));
   Ends last{};
@@ -149,7 +144,7 @@ TEST(PlaceCapsules, TheFrameIsThatOfAFreeOneAtItsPlaceWithItsVelocity) {
     }
   }
   EXPECT_GT(fastest, 1e-3f) << "it moves";
-  for (const LocalStoreFault& f : local.faults()) ADD_FAILURE() << f.stage << ": " << f.what;
+  ExpectNoFaults(local);
 }
 
 // A refused pose is as if the last one had been given again: to the capsules too. Before there is
@@ -157,7 +152,6 @@ TEST(PlaceCapsules, TheFrameIsThatOfAFreeOneAtItsPlaceWithItsVelocity) {
 TEST(PlaceCapsules, OfACharacterThatKeepsItsPoseStay) {
   Scenario scenario = PairScenario();
   RunningScenario bad(scenario, {}), good(scenario, {});
-  SerialExecutor serial;
   const std::vector<CapsuleCollider> capsules = {BoundTo(1, AnyJoint(bad.scene()))};
   PoseBlock last{};
   for (uint32_t f = 0; f < 8; ++f) {
@@ -166,14 +160,12 @@ TEST(PlaceCapsules, OfACharacterThatKeepsItsPoseStay) {
     input.capsule_count = 1;
     input.capsule[0] = capsules[0];
     if (spoiled) bad.scene().Pose(1).root[3] = std::numeric_limits<float>::quiet_NaN();
-    ASSERT_EQ(BeginError(bad.scene(), input), "");
+    RunInput(bad.scene(), input);
     ASSERT_EQ(bad.scene().RefusedPoses().size(), spoiled ? 1u : 0u);
-    serial.Run(bad.scene().CurrentFrame());
     scenario.PrepareFrame(f, good.scene());
     if (spoiled) good.scene().Pose(1) = last;
     last = good.scene().Pose(1);
-    ASSERT_EQ(BeginError(good.scene(), input), "");
-    serial.Run(good.scene().CurrentFrame());
+    RunInput(good.scene(), input);
     ASSERT_EQ(bad.scene().DigestFrame(), good.scene().DigestFrame()) << f;
   }
 }
@@ -191,4 +183,4 @@ TEST(PlaceCapsules, OneThatItsJointTakesTooFarIsLeftOut) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

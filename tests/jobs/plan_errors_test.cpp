@@ -8,52 +8,27 @@
 #include "jobs/plan.hpp"
 #include "tests/jobs/synthetic_scene.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 std::string ErrorOf(std::vector<Stage> stages) {
   return CompilePlan(std::move(stages), MakeShape({{0, 0, 3}, {0, 0, 2}}), {}).error();
 }
 
-struct SumOfLayer : Declares<All<&Toys::keys>, Out<&Toys::sum>> {
-  static constexpr std::string_view kName = "sum_layer";
-};
-struct OutToCoarser : Declares<Out<&Toys::box>> {
-  static constexpr std::string_view kName = "out_to_coarser";
-};
-struct SharedOfOwnDomain : Declares<Shared<&Toys::keys>> {
-  static constexpr std::string_view kName = "shared_of_own";
-};
-struct GatherWithoutList : Declares<Gather<&Toys::records, &Toys::sum>> {
-  static constexpr std::string_view kName = "gather_without_list";
-};
-struct ReadsAndScatters : Declares<In<&Toys::pairs_a>, Scatter<&Toys::pairs_a>> {
-  static constexpr std::string_view kName = "reads_and_scatters";
-};
+using SumOfLayer = Declares<"sum_layer", All<&Toys::keys>, Out<&Toys::sum>>;
+using OutToCoarser = Declares<"out_to_coarser", Out<&Toys::box>>;
+using SharedOfOwnDomain = Declares<"shared_of_own", Shared<&Toys::keys>>;
+using GatherWithoutList = Declares<"gather_without_list", Gather<&Toys::records, &Toys::sum>>;
+using ReadsAndScatters =
+    Declares<"reads_and_scatters", In<&Toys::pairs_a>, Scatter<&Toys::pairs_a>>;
 
-struct SharedPatch : Declares<Shared<&Toys::marks>, InOut<&Toys::keys>> {
-  static constexpr std::string_view kName = "shared_patch";
-};
-struct SharedChunk : Declares<Shared<&Toys::keys>, InOut<&Toys::marks>> {
-  static constexpr std::string_view kName = "shared_chunk";
-};
-struct OwnPatch : Declares<InOut<&Toys::marks>> {
-  static constexpr std::string_view kName = "own_patch";
-};
-struct GatherPartsAlone : Declares<Gather<&Toys::parts, &Toys::order>> {
-  static constexpr std::string_view kName = "gather_parts";
-};
-struct GatherPartsByPatch : Declares<Gather<&Toys::parts, &Toys::marks>> {
-  static constexpr std::string_view kName = "gather_parts_by_patch";
-};
-struct AllPatches : Declares<All<&Toys::marks>> {
-  static constexpr std::string_view kName = "all_patches";
-};
-struct AllLongPatches : Declares<All<&Toys::long_parts>> {
-  static constexpr std::string_view kName = "all_long_patches";
-};
+using SharedPatch = Declares<"shared_patch", Shared<&Toys::marks>, InOut<&Toys::keys>>;
+using SharedChunk = Declares<"shared_chunk", Shared<&Toys::keys>, InOut<&Toys::marks>>;
+using OwnPatch = Declares<"own_patch", InOut<&Toys::marks>>;
+using GatherPartsAlone = Declares<"gather_parts", Gather<&Toys::parts, &Toys::order>>;
+using GatherPartsByPatch = Declares<"gather_parts_by_patch", Gather<&Toys::parts, &Toys::marks>>;
+using AllPatches = Declares<"all_patches", All<&Toys::marks>>;
+using AllLongPatches = Declares<"all_long_patches", All<&Toys::long_parts>>;
 
 bool Has(const std::string& text, std::string_view part) {
   return text.find(part) != std::string::npos;
@@ -106,9 +81,7 @@ struct OtherTable {
   StreamRow<KeyBlock> keys{"keys", Domain::kChunk, Role::kValue};
   static constexpr uint32_t kChunkLanes = kToyLanes;
 };
-struct UseOtherTable : Declares<InOut<&OtherTable::keys>> {
-  static constexpr std::string_view kName = "use_other_table";
-};
+using UseOtherTable = Declares<"use_other_table", InOut<&OtherTable::keys>>;
 
 TEST(PlanErrors, RefusesStagesOfTwoTables) {
   const std::string error =
@@ -130,4 +103,4 @@ TEST(PlanErrors, RefusesGatesOfAnotherDomain) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

@@ -13,75 +13,35 @@
 #include "core/error.hpp"
 #include "tests/jobs/synthetic_scene.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
 
-using namespace testing;
-
 // keys -> order, own chunk.
-struct KeysToOrder : Declares<In<&Toys::keys>, Out<&Toys::order>> {
-  static constexpr std::string_view kName = "keys_to_order";
-};
-struct MakeKeys : Declares<Out<&Toys::keys>> {
-  static constexpr std::string_view kName = "make_keys";
-};
+using KeysToOrder = Declares<"keys_to_order", In<&Toys::keys>, Out<&Toys::order>>;
+using MakeKeys = Declares<"make_keys", Out<&Toys::keys>>;
 // Scratch between two chunk stages: pairs_b is written and read here and nowhere else.
-struct MakePairs : Declares<In<&Toys::keys>, Out<&Toys::pairs_b>> {
-  static constexpr std::string_view kName = "make_pairs";
-};
-struct UsePairs : Declares<In<&Toys::pairs_b>, Out<&Toys::order>> {
-  static constexpr std::string_view kName = "use_pairs";
-};
-struct ScatterPairs : Declares<In<&Toys::keys>, Scatter<&Toys::pairs_a>> {
-  static constexpr std::string_view kName = "scatter_pairs";
-};
-struct ReadScattered : Declares<In<&Toys::pairs_a>, Out<&Toys::counts>> {
-  static constexpr std::string_view kName = "read_scattered";
-};
-struct MakeCurves : Declares<Out<&Toys::records>> {
-  static constexpr std::string_view kName = "make_curves";
-};
-struct GatherCurves
-    : Declares<In<&Toys::order>, Gather<&Toys::records, &Toys::order>, Out<&Toys::copies>> {
-  static constexpr std::string_view kName = "gather_curves";
-};
-struct SumLayer : Declares<All<&Toys::keys>, Out<&Toys::sum>> {
-  static constexpr std::string_view kName = "sum_layer";
-};
-struct UseBounds : Declares<Shared<&Toys::box>, InOut<&Toys::keys>> {
-  static constexpr std::string_view kName = "use_bounds";
-};
+using MakePairs = Declares<"make_pairs", In<&Toys::keys>, Out<&Toys::pairs_b>>;
+using UsePairs = Declares<"use_pairs", In<&Toys::pairs_b>, Out<&Toys::order>>;
+using ScatterPairs = Declares<"scatter_pairs", In<&Toys::keys>, Scatter<&Toys::pairs_a>>;
+using ReadScattered = Declares<"read_scattered", In<&Toys::pairs_a>, Out<&Toys::counts>>;
+using MakeCurves = Declares<"make_curves", Out<&Toys::records>>;
+using GatherCurves = Declares<"gather_curves", In<&Toys::order>,
+                              Gather<&Toys::records, &Toys::order>, Out<&Toys::copies>>;
+using SumLayer = Declares<"sum_layer", All<&Toys::keys>, Out<&Toys::sum>>;
+using UseBounds = Declares<"use_bounds", Shared<&Toys::box>, InOut<&Toys::keys>>;
 
-struct UseBox : Declares<InOut<&Toys::box>> {
-  static constexpr std::string_view kName = "use_box";
-};
-struct SumBoxes : Declares<AllInOut<&Toys::box>> {
-  static constexpr std::string_view kName = "sum_boxes";
-};
-struct SetState : Declares<Out<&Toys::state>> {
-  static constexpr std::string_view kName = "set_state";
-};
-struct UseSum : Declares<Shared<&Toys::sum>, InOut<&Toys::keys>> {
-  static constexpr std::string_view kName = "use_sum";
-};
-struct SumSums : Declares<AllInOut<&Toys::sum>> {
-  static constexpr std::string_view kName = "sum_sums";
-};
+using UseBox = Declares<"use_box", InOut<&Toys::box>>;
+using SumBoxes = Declares<"sum_boxes", AllInOut<&Toys::box>>;
+using SetState = Declares<"set_state", Out<&Toys::state>>;
+using UseSum = Declares<"use_sum", Shared<&Toys::sum>, InOut<&Toys::keys>>;
+using SumSums = Declares<"sum_sums", AllInOut<&Toys::sum>>;
 
-struct MakeParts : Declares<Out<&Toys::parts>, Out<&Toys::marks>> {
-  static constexpr std::string_view kName = "make_parts";
-};
-struct GatherParts
-    : Declares<In<&Toys::order>, Gather<&Toys::parts, &Toys::order>, Out<&Toys::copies>> {
-  static constexpr std::string_view kName = "gather_parts";
-};
-struct GatherMarks
-    : Declares<In<&Toys::list>, GatherBlocks<&Toys::marks, &Toys::list>, InOut<&Toys::keys>> {
-  static constexpr std::string_view kName = "gather_marks";
-};
-struct SumParts : Declares<All<&Toys::parts>, Out<&Toys::sum>> {
-  static constexpr std::string_view kName = "sum_parts";
-};
+using MakeParts = Declares<"make_parts", Out<&Toys::parts>, Out<&Toys::marks>>;
+using GatherParts = Declares<"gather_parts", In<&Toys::order>, Gather<&Toys::parts, &Toys::order>,
+                             Out<&Toys::copies>>;
+using GatherMarks = Declares<"gather_marks", In<&Toys::list>,
+                             GatherBlocks<&Toys::marks, &Toys::list>, InOut<&Toys::keys>>;
+using SumParts = Declares<"sum_parts", All<&Toys::parts>, Out<&Toys::sum>>;
 
 const SceneShape kShape = MakeShape({{0, 0, 3}, {0, 0, 2}});
 const SceneShape kPatched = MakeShape({{0, 0, 3, 4}, {0, 0, 2, 1}});
@@ -464,4 +424,4 @@ TEST(Plan, MeasuresTheLargestLayerOfAKind) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

@@ -15,10 +15,8 @@
 #include "platform_sim/local_store.hpp"
 #include "tests/jobs/pair_scene.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 struct BadPose {
   const char* says;
@@ -49,20 +47,15 @@ const BadPose kBadPoses[] = {
      }},
 };
 
-FrameInput Prepare(Scenario& scenario, uint32_t frame, FurScene& scene) {
-  return scenario.PrepareFrame(frame, scene);
-}
-
 // `bad` runs with a refused pose of character 1 in every third frame; `good` with the pose it had
 // before. Frame by frame they must not differ in a bit, and character 0 not from the undisturbed.
 void ExpectHeld(const BadPose& fault, Executor& executor, const SceneOptions& options) {
   Scenario scenario = PairScenario();
   RunningScenario bad(scenario, options), good(scenario, options);
-  SerialExecutor serial;
   PoseBlock last{};
   for (uint32_t f = 0; f < 10; ++f) {
     const bool spoiled = f % 3 == 2;
-    const FrameInput input = Prepare(scenario, f, bad.scene());
+    const FrameInput input = scenario.PrepareFrame(f, bad.scene());
     if (spoiled) fault.spoil(bad.scene().Pose(1));
     ASSERT_EQ(BeginError(bad.scene(), input), "");
     ASSERT_EQ(bad.scene().RefusedPoses().size(), spoiled ? 1u : 0u);
@@ -73,12 +66,11 @@ void ExpectHeld(const BadPose& fault, Executor& executor, const SceneOptions& op
     }
     executor.Run(bad.scene().CurrentFrame());
 
-    const FrameInput same = Prepare(scenario, f, good.scene());
+    const FrameInput same = scenario.PrepareFrame(f, good.scene());
     if (spoiled) good.scene().Pose(1) = last;
     last = good.scene().Pose(1);
-    ASSERT_EQ(BeginError(good.scene(), same), "");
+    RunInput(good.scene(), same);
     ASSERT_TRUE(good.scene().RefusedPoses().empty());
-    serial.Run(good.scene().CurrentFrame());
     ASSERT_EQ(bad.scene().DigestFrame(), good.scene().DigestFrame())
         << fault.says << ", frame " << f;
   }
@@ -102,19 +94,17 @@ TEST(PoseGate, IsTheSameOnEveryExecutor) {
   SceneOptions options = OptionsFor(BestIsa());
   LocalStoreExecutor local(options.plan.local_store_data_bytes);
   ExpectHeld(fault, local, options);
-  for (const LocalStoreFault& f : local.faults()) ADD_FAILURE() << f.stage << ": " << f.what;
+  ExpectNoFaults(local);
 }
 
 // The other character, against a scene in which nothing was ever wrong.
 TEST(PoseGate, LeavesTheOthersAsTheyWere) {
   Scenario scenario = PairScenario();
   RunningScenario bad(scenario, {}), good(scenario, {});
-  SerialExecutor serial;
   for (uint32_t f = 0; f < 12; ++f) {
-    const FrameInput input = Prepare(scenario, f, bad.scene());
+    const FrameInput input = scenario.PrepareFrame(f, bad.scene());
     bad.scene().Pose(1).rotation_key[0][0][0] = kNaN;
-    ASSERT_EQ(BeginError(bad.scene(), input), "");
-    serial.Run(bad.scene().CurrentFrame());
+    RunInput(bad.scene(), input);
     RunFrame(good, f);
     ASSERT_EQ(DigestCharacter(bad.scene(), 0), DigestCharacter(good.scene(), 0)) << f;
     ASSERT_NE(DigestCharacter(bad.scene(), 1), DigestCharacter(good.scene(), 1)) << f;
@@ -126,10 +116,9 @@ TEST(PoseGate, ACharacterWithoutAPoseStandsAsItWasBound) {
   Scenario scenario = PairScenario();
   RunningScenario late(scenario, {});
   FurScene& scene = late.scene();
-  const FrameInput input = Prepare(scenario, 0, scene);
+  const FrameInput input = scenario.PrepareFrame(0, scene);
   scene.Pose(1).joint_count = 3;
-  ASSERT_EQ(BeginError(scene, input), "");
-  SerialExecutor().Run(scene.CurrentFrame());
+  RunInput(scene, input);
   const auto& palette = *scene.memory().Of<&Streams::palette>(1);
   const float scale = scenario.ActorGrooms()[1]->unit_scale;
   for (int i = 0; i < 12; ++i) EXPECT_EQ(palette.matrix[1][i], i % 5 == 0 ? scale : 0.0f);
@@ -173,17 +162,15 @@ bool Lists(const std::vector<uint32_t>& frames, uint32_t f) {
 void ExpectStarts(const StartCase& start, uint32_t character) {
   Scenario scenario = PairScenario();
   RunningScenario running(scenario, {});
-  SerialExecutor serial;
   for (uint32_t f = 0; f < 7; ++f) {
     RunningScenario copied(scenario, {});
     ASSERT_TRUE(copied.scene().CopyStateFrom(running.scene()));
     for (FurScene* scene : {&running.scene(), &copied.scene()}) {
-      const FrameInput input = Prepare(scenario, f, *scene);
+      const FrameInput input = scenario.PrepareFrame(f, *scene);
       scene->Pose(character).teleported = Lists(start.teleports, f);
       if (Lists(start.refused, f)) scene->Pose(character).root[0] = kInf;
-      ASSERT_EQ(BeginError(*scene, input), "");
+      RunInput(*scene, input);
       ASSERT_EQ(scene->RefusedPoses().size(), Lists(start.refused, f) ? 1u : 0u);
-      serial.Run(scene->CurrentFrame());
     }
     const auto [starts, all] = CountStarts(running.scene(), character);
     EXPECT_GT(all, 0u);
@@ -208,8 +195,7 @@ TEST(PoseGate, AcceptsWhatTheKernelsMakeHarmless) {
   Scenario scenario = PairScenario();
   RunningScenario running(scenario, {});
   FurScene& scene = running.scene();
-  SerialExecutor serial;
-  FrameInput input = Prepare(scenario, 0, scene);
+  FrameInput input = scenario.PrepareFrame(0, scene);
   const SkeletonBlock& skeleton = scenario.ActorGrooms()[1]->skeleton;
   PoseBlock& pose = scene.Pose(1);
   uint32_t stretched = 0;
@@ -224,11 +210,10 @@ TEST(PoseGate, AcceptsWhatTheKernelsMakeHarmless) {
     stretched += depth >= 2;
   }
   ASSERT_GT(stretched, 0u);
-  ASSERT_EQ(BeginError(scene, input), "");
+  RunInput(scene, input);
   for (const RefusedPose& refused : scene.RefusedPoses())
     ADD_FAILURE() << DescribeRefusedPose(refused);
-  serial.Run(scene.CurrentFrame());
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

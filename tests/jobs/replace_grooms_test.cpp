@@ -7,10 +7,8 @@
 
 #include "tests/jobs/tiny_scene.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 constexpr uint32_t kBefore = 3, kAfter = 4;
 
@@ -42,13 +40,11 @@ uint64_t DigestDraws(const FurScene& scene) {
 }
 
 std::vector<uint64_t> Restarted(RunningScenario& running, Scenario& scenario) {
-  SerialExecutor serial;
   std::vector<uint64_t> digests;
   for (uint32_t f = kBefore; f < kBefore + kAfter; ++f) {
     const FrameInput input = running.Prepare(f, scenario.base.skip, scenario.base.lod);
     running.scene().Pose(0).teleported = f == kBefore;
-    EXPECT_TRUE(running.TryBegin(input)) << running.RefusalText(f);
-    serial.Run(running.scene().CurrentFrame());
+    RunInput(running, input);
     digests.push_back(DigestDraws(running.scene()));
   }
   return digests;
@@ -74,10 +70,10 @@ bool TryChange(const std::string& what, const std::function<void(Groom&)>& chang
 
 TEST(ReplaceGrooms, EveryLayerParameter) {
   uint32_t accepted = 0;
-  ForEachLayerParam([&](const auto& row) {
-    accepted += TryChange(std::string(row.key), [&row](Groom& groom) {
+  ForEachLayerParam([&](const auto& entry) {
+    accepted += TryChange(std::string(entry.key), [&entry](Groom& groom) {
       for (GroomLayer& layer : groom.layers) {
-        auto& value = layer.params.*row.member;
+        auto& value = layer.params.*entry.member;
         using T = std::remove_reference_t<decltype(value)>;
         const LayerParams before = layer.params;
         if constexpr (std::is_same_v<T, std::array<float, 3>>)
@@ -85,10 +81,10 @@ TEST(ReplaceGrooms, EveryLayerParameter) {
         else if constexpr (std::is_same_v<T, bool>)
           value = !value;
         else if constexpr (std::is_same_v<T, float>)
-          value = float(value > 0.5 * (row.low + row.high) ? 0.5 * value : 0.5 * value + 0.3);
+          value = float(value > 0.5 * (entry.low + entry.high) ? 0.5 * value : 0.5 * value + 0.3);
         else
-          value =
-              T(uint32_t(value) == uint32_t(row.high) ? uint32_t(row.low) : uint32_t(value) + 1);
+          value = T(uint32_t(value) == uint32_t(entry.high) ? uint32_t(entry.low)
+                                                            : uint32_t(value) + 1);
         if (!FindBadParam(layer.params).empty() || FindBadCombination(layer.params))
           layer.params = before;
       }
@@ -100,17 +96,13 @@ TEST(ReplaceGrooms, EveryLayerParameter) {
 // Among them those that are kept because they would never rest: their clocks go on.
 TEST(ReplaceGrooms, TheSameOnesChangeNoBit) {
   Scenario scenario = RestingScenario(6);
-  for (Groom& groom : scenario.grooms)
-    for (GroomLayer& layer : groom.layers)
-      if (layer.params.solver == Solver::kModal) layer.params.friction = 0.4f;
+  SetModalFriction(scenario, 0.4f);
   RunningScenario replaced(scenario, {}), plain(scenario, {});
-  SerialExecutor serial;
   for (uint32_t f = 0; f < 150; ++f) {
     for (RunningScenario* running : {&replaced, &plain}) {
       FrameInput input = scenario.PrepareFrame(f, running->scene());
       input.ground[3] = -0.05f;
-      ASSERT_EQ(BeginError(running->scene(), input), "");
-      serial.Run(running->scene().CurrentFrame());
+      RunInput(running->scene(), input);
     }
     ASSERT_EQ(replaced.scene().DigestFrame(), plain.scene().DigestFrame()) << "frame " << f;
     if (f % 7 < 6) continue;
@@ -192,4 +184,4 @@ TEST(ReplaceGrooms, WhatStrandsWereGiven) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

@@ -14,46 +14,28 @@
 namespace pelt::testing {
 namespace {
 
-// `tiny` with its modal layers sag-free.
-Scenario HeldScenario() {
-  static const Scenario kBaked = [] {
-    Scenario scenario = TinyScenario();
-    FurSetup setup = LoadSetup("tiny");
-    for (LayerSetup& layer : setup.layers)
-      layer.params.sag_free = layer.params.solver == Solver::kModal;
-    const Actor& actor = scenario.actors[0];
-    const Character& character = scenario.characters[actor.character];
-    scenario.grooms[actor.groom] = BakeGroom(
-        character, ComputeRestGeometry(character, actor.unit_scale), setup, actor.unit_scale);
-    return scenario;
-  }();
-  return kBaked;
-}
-
 TEST(SagFree, HasTheSameBitsOnEveryInstructionSetAndInLocalStores) {
   constexpr uint32_t kFrames = 8;
-  SerialExecutor serial;
-  Scenario scenario = HeldScenario();
+  Scenario scenario = SagFreeTiny();
   for (const bool velocities : {false, true}) {
     SceneOptions options = OptionsFor(Isa::kReference);
     options.velocities = velocities;
-    const std::vector<uint64_t> expected = RunDigests(scenario, options, serial, kFrames);
+    const std::vector<uint64_t> expected = RunDigests(scenario, options, kFrames);
     for (const Isa isa : kAllIsas)
       if (FindKernels(isa)) {
         options.isa = isa;
-        EXPECT_EQ(RunDigests(scenario, options, serial, kFrames), expected) << IsaName(isa);
+        EXPECT_EQ(RunDigests(scenario, options, kFrames), expected) << IsaName(isa);
       }
     LocalStoreExecutor local(options.plan.local_store_data_bytes);
     EXPECT_EQ(RunDigests(scenario, options, local, kFrames), expected);
-    for (const LocalStoreFault& f : local.faults())
-      ADD_FAILURE() << f.stage << ", item " << f.item << ": " << f.what;
+    ExpectNoFaults(local);
     Scenario plain = TinyScenario();
-    EXPECT_NE(RunDigests(plain, options, serial, kFrames), expected);
+    EXPECT_NE(RunDigests(plain, options, kFrames), expected);
   }
 }
 
 TEST(SagFree, GroomsKeepWhichWayWasDown) {
-  const Groom groom = HeldScenario().grooms[0];
+  const Groom groom = SagFreeTiny().grooms[0];
   // Where its chains stand: at the vertices, or at the strands.
   uint32_t patches = 0, chunks = 0;
   for (const GroomLayer& layer : groom.layers) {
@@ -106,7 +88,7 @@ std::vector<float> PointsOnVertices(const FurScene& scene) {
 
 // Each is combed otherwise than the chains about it, and stays as it was groomed.
 TEST(SagFree, StrandsBetweenChainsKeepTheirGroom) {
-  Scenario scenario = HeldScenario();
+  Scenario scenario = SagFreeTiny();
   for (GroomLayer& layer : scenario.grooms[0].layers)
     layer.params.clump = layer.params.surface_hardness = 0.0f;
   scenario.actors[0].clip = scenario.actors[0].teleport_frame = -1;
@@ -118,8 +100,7 @@ TEST(SagFree, StrandsBetweenChainsKeepTheirGroom) {
   RunningScenario run(scenario, {});
   std::vector<float> groom;
   for (uint32_t f = 0; f < 60; ++f) {
-    run.Begin(f);
-    ASSERT_EQ(SerialExecutor().Run(run.scene().CurrentFrame()), nullptr);
+    RunFrame(run, f);
     if (f == 0) groom = PointsOnVertices(run.scene());
   }
   const std::vector<float> now = PointsOnVertices(run.scene());

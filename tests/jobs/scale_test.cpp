@@ -81,11 +81,10 @@ Sizes SizesOf(FurScene& scene) {
 // groomed but for their bend, and what is smaller is stiffer for its weight.
 Scenario With(Solver solver) {
   Scenario scenario = CalmScenario();
-  for (Groom& groom : scenario.grooms)
-    for (GroomLayer& layer : groom.layers) {
-      const Solver own = std::exchange(layer.params.solver, solver);
-      if (FindBadCombination(layer.params)) layer.params.solver = own;
-    }
+  for (LayerParams* layer : LayersOf(scenario)) {
+    const Solver own = std::exchange(layer->solver, solver);
+    if (FindBadCombination(*layer)) layer->solver = own;
+  }
   return scenario;
 }
 
@@ -133,8 +132,7 @@ TEST(Scale, IsThatOfThePlacement) {
   const FrameInput input = c.Prepare(0, jointed.base.skip, jointed.base.lod);
   for (auto& key : c.scene().Pose(0).scale_key)
     for (auto& row : key) row[0] *= 1.5f;
-  ASSERT_TRUE(c.TryBegin(input));
-  SerialExecutor().Run(c.scene().CurrentFrame());
+  RunInput(c, input);
   const double whole = SizesOf(a.scene()).length;
   EXPECT_NEAR(SizesOf(b.scene()).length / whole, 2.0, 1e-3);
   EXPECT_NEAR(SizesOf(c.scene()).length / whole, 1.0, 1e-4);
@@ -145,9 +143,7 @@ TEST(Scale, OverTenTimesWhatWasBakedIsToldOnce) {
   for (const bool meant : {false, true}) {
     Scenario scenario = CalmScenario();
     const glm::mat4 placement = scenario.actors[0].placement;
-    SceneOptions options;
-    options.any_scale = meant;
-    RunningScenario run(scenario, options);
+    RunningScenario run(scenario, {.any_scale = meant});
     uint32_t frame = 0;
     const auto note_of = [&](float scale) {
       Scale(scenario, placement, glm::vec3(scale));

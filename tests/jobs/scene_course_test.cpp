@@ -7,10 +7,8 @@
 #include "jobs/scene.hpp"
 #include "tests/jobs/tiny_scene.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 // ---- Restarts -----------------------------------------------------------------------------------
 
@@ -56,14 +54,12 @@ TEST(FurSceneRestart, NewlyVisibleCharacterStartsFromItsGroom) {
   Scenario scenario = RestingScenario(~0u);
   RunningScenario running(scenario, {});
   FurScene& scene = running.scene();
-  SerialExecutor serial;
   const auto run = [&](uint32_t frame, bool look_away) {
     FrameInput input = scenario.PrepareFrame(frame, scene);
     if (look_away)
       for (int a = 0; a < 3; ++a)
         input.camera.target[a] = 2.0f * input.camera.eye[a] - input.camera.target[a];
-    ASSERT_EQ(BeginError(scene, input), "");
-    serial.Run(scene.CurrentFrame());
+    RunInput(scene, input);
   };
   for (uint32_t f = 0; f < 5; ++f) run(f, false);
   EXPECT_GT(scene.DrawnStrands(), 0u);
@@ -114,7 +110,6 @@ TEST(FurSceneWeather, WetAndDirtyChangeWhileRunningWithoutAReset) {
 struct SleepCourse {
   Scenario scenario = RestingScenario(6);
   RunningScenario running{scenario, {}};
-  SerialExecutor serial = {};
   std::function<void(FrameInput&, FurScene&)> change = [](FrameInput&, FurScene&) {};
   uint32_t frame = 0;
 
@@ -123,8 +118,7 @@ struct SleepCourse {
     FrameInput input = scenario.PrepareFrame(frame++, scene());
     input.time_s = 0.0;
     change(input, scene());
-    ASSERT_EQ(BeginError(scene(), input), "");
-    serial.Run(scene().CurrentFrame());
+    RunInput(scene(), input);
   }
   uint32_t Awake() { return CountChunks(scene(), kChunkVisible | kChunkSimulate); }
   bool FallAsleep(uint32_t most) {
@@ -142,9 +136,7 @@ constexpr uint32_t kLongestToRest = 2000;
 TEST(FurSceneSleep, ASceneSunkInTheGroundSleepsToo) {
   for (const float friction : {0.0f, 0.4f}) {
     Scenario sunk = RestingScenario(6);
-    for (Groom& groom : sunk.grooms)
-      for (GroomLayer& layer : groom.layers)
-        if (layer.params.solver == Solver::kModal) layer.params.friction = friction;
+    SetModalFriction(sunk, friction);
     SleepCourse course{std::move(sunk)};
     course.change = [](FrameInput& input, FurScene&) { input.ground[3] = -0.05f; };
     EXPECT_TRUE(course.FallAsleep(kLongestToRest))
@@ -332,16 +324,14 @@ constexpr SkipCase kSkips[] = {{"sleep", &SkipSettings::sleep},
                                {"wind", &SkipSettings::wind}};
 
 void ExpectSkipsChangeNothing(Scenario scenario, uint32_t frames) {
-  SerialExecutor serial;
-  const auto with_all = RunDigests(scenario, {}, serial, frames);
+  const auto with_all = RunDigests(scenario, {}, frames);
   for (const SkipCase& c : kSkips) {
     SkipSettings skip;
     skip.*(c.which) = false;
-    ExpectSameFrames(with_all, RunDigests(scenario, {}, serial, frames, skip),
+    ExpectSameFrames(with_all, RunDigests(scenario, {}, frames, skip),
                      std::string("without ") + c.name);
   }
-  const SkipSettings none{false, false, false, false, false, false};
-  ExpectSameFrames(with_all, RunDigests(scenario, {}, serial, frames, none), "without any");
+  ExpectSameFrames(with_all, RunDigests(scenario, {}, frames, kNoSkips), "without any");
 }
 
 TEST(FurSceneSkips, ChangeNothingInMotion) { ExpectSkipsChangeNothing(TinyScenario(), 24); }
@@ -352,21 +342,19 @@ TEST(FurSceneSkips, ChangeNothingComingToRest) {
 // And out of it: rests from frame 6, walks on where its clock stands.
 TEST(FurSceneSkips, ChangeNothingWhenItMovesAgain) {
   Scenario scenario = RestingScenario(6);
-  SerialExecutor serial;
   const auto run = [&](const SkipSettings& skip) {
     std::vector<uint64_t> digests;
     Scenario course = scenario;
     RunningScenario running(course, {});
     for (uint32_t f = 0; f < 140; ++f) {
       course.rest_from_frame = f < 120 ? 6 : ~0u;
-      running.Begin(f, skip, {});
-      serial.Run(running.scene().CurrentFrame());
+      RunFrame(running, f, skip, {});
       digests.push_back(running.scene().DigestFrame());
     }
     return digests;
   };
-  ExpectSameFrames(run({}), run({false, false, false, false, false, false}), "without any");
+  ExpectSameFrames(run({}), run(kNoSkips), "without any");
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

@@ -6,14 +6,12 @@
 #include <cstring>
 #include <tuple>
 
-#include "core/modal/quality_on_screen.hpp"
+#include "core/modal/modal_quality.hpp"
 #include "jobs/scene.hpp"
 #include "tests/jobs/tiny_scene.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 // ---- LOD ----------------------------------------------------------------------------------------
 
@@ -30,14 +28,9 @@ LodSettings HeldAt(float fraction) {
 TEST(FurSceneLod, APrefixKeepsTheBitsOfTheFullRun) {
   Scenario scenario = TinyScenario();
   RunningScenario full(scenario, {}), half(scenario, {});
-  SkipSettings lod_on;
-  lod_on.lod = true;
-  SerialExecutor serial;
   for (uint32_t f = 0; f < 24; ++f) {
-    full.Begin(f, {}, {});
-    serial.Run(full.scene().CurrentFrame());
-    half.Begin(f, lod_on, HeldAt(0.5f));
-    serial.Run(half.scene().CurrentFrame());
+    RunFrame(full, f, {}, {});
+    RunFrame(half, f, {.lod = true}, HeldAt(0.5f));
   }
   const FurScene &a = full.scene(), &b = half.scene();
   uint32_t compared = 0;
@@ -88,17 +81,12 @@ TEST(FurSceneLod, ChainsThatStayKeepTheBitsOfTheFullRun) {
   Scenario scenario = PatchedScenario();
   scenario.base.wind.velocity[0] = 4.0f;
   RunningScenario full(scenario, {}), thin(scenario, {});
-  SkipSettings lod_on;
-  lod_on.lod = true;
   LodSettings lod = HeldAt(0.25f);
   lod.least_chains = 0.0f;
-  SerialExecutor serial;
   uint32_t thinned = 0;
   for (uint32_t f = 0; f < 24; ++f) {
-    full.Begin(f, {}, {});
-    serial.Run(full.scene().CurrentFrame());
-    thin.Begin(f, lod_on, lod);
-    serial.Run(thin.scene().CurrentFrame());
+    RunFrame(full, f, {}, {});
+    RunFrame(thin, f, {.lod = true}, lod);
     const FrameMemory &a = full.scene().memory(), &b = thin.scene().memory();
     for (uint32_t p = 0; p < a.shape->patch_count; ++p) {
       const uint32_t count = a.Of<&Streams::patches>(p)->vertex_count;
@@ -124,11 +112,8 @@ TEST(FurSceneLod, ChainsThatStayKeepTheBitsOfTheFullRun) {
 // last group without a living strand too, has a corner that does not live.
 uint32_t CountLiveVertices(Scenario scenario, float fraction) {
   SCOPED_TRACE(fraction);
-  SkipSettings lod_on;
-  lod_on.lod = true;
   RunningScenario running(scenario, {});
-  running.Begin(0, lod_on, HeldAt(fraction));
-  SerialExecutor().Run(running.scene().CurrentFrame());
+  RunFrame(running, 0, {.lod = true}, HeldAt(fraction));
   const FrameMemory& memory = running.scene().memory();
   const SceneShape& shape = running.scene().shape();
   for (uint32_t c = 0; c < shape.chunk_count; ++c) {
@@ -169,12 +154,9 @@ TEST(FurSceneLod, APrefixOfVerticesIsEnoughForThePrefixOfStrands) {
 
 TEST(FurSceneLod, DrawsItsShareOfEveryChunk) {
   Scenario scenario = TinyScenario();
-  SkipSettings lod_on;
-  lod_on.lod = true;
   for (const float fraction : {0.05f, 0.25f, 0.8f, 1.0f}) {
     RunningScenario running(scenario, {});
-    running.Begin(0, lod_on, HeldAt(fraction));
-    SerialExecutor().Run(running.scene().CurrentFrame());
+    RunFrame(running, 0, {.lod = true}, HeldAt(fraction));
     const double wanted = double(fraction) * double(scenario.StrandCount());
     EXPECT_GE(running.scene().LiveStrands(), wanted * 0.999);
     EXPECT_LE(running.scene().LiveStrands(), wanted + running.scene().shape().chunk_count);
@@ -183,17 +165,13 @@ TEST(FurSceneLod, DrawsItsShareOfEveryChunk) {
 
 TEST(FurSceneLod, KeepsToItsBudget) {
   Scenario scenario = TinyScenario();
-  SkipSettings lod_on;
-  lod_on.lod = true;
   LodSettings lod;
   lod.full_detail_px = 0.0f;
   lod.hysteresis = 0.0f;
   lod.strand_budget = 200;
   RunningScenario running(scenario, {});
-  SerialExecutor serial;
   for (uint32_t f = 0; f < 10; ++f) {
-    running.Begin(f, lod_on, lod);
-    serial.Run(running.scene().CurrentFrame());
+    RunFrame(running, f, {.lod = true}, lod);
     // The budget acts on what the frame before measured.
     if (f > 0) {
       EXPECT_LE(running.scene().LiveStrands(), 200 + running.scene().shape().chunk_count) << f;
@@ -206,14 +184,9 @@ TEST(FurSceneLod, KeepsToItsBudget) {
 TEST(FurSceneLod, GrowingBackDisturbsNoStrandThatWasThere) {
   Scenario scenario = TinyScenario();
   RunningScenario full(scenario, {}), grown(scenario, {});
-  SkipSettings lod_on;
-  lod_on.lod = true;
-  SerialExecutor serial;
   for (uint32_t f = 0; f < 8; ++f) {
-    full.Begin(f, {}, {});
-    serial.Run(full.scene().CurrentFrame());
-    grown.Begin(f, lod_on, HeldAt(f < 4 ? 0.5f : 1.0f));
-    serial.Run(grown.scene().CurrentFrame());
+    RunFrame(full, f, {}, {});
+    RunFrame(grown, f, {.lod = true}, HeldAt(f < 4 ? 0.5f : 1.0f));
   }
   const FurScene &a = full.scene(), &b = grown.scene();
   EXPECT_EQ(a.LiveStrands(), b.LiveStrands());
@@ -232,26 +205,25 @@ TEST(FurSceneLod, GrowingBackDisturbsNoStrandThatWasThere) {
 // `tiny` with all layers modal, of one quality.
 Scenario ModalScenario(ModalQuality quality) {
   Scenario scenario = TinyScenario();
-  for (Groom& groom : scenario.grooms)
-    for (GroomLayer& layer : groom.layers) {
-      layer.params.solver = Solver::kModal;
-      layer.params.quality = quality;
-    }
+  for (LayerParams* layer : LayersOf(scenario)) {
+    layer->solver = Solver::kModal;
+    layer->quality = quality;
+  }
   return scenario;
 }
 
 // Of what is simulated: the order of drawing is the camera's.
 uint64_t DigestOfPoints(const FurScene& scene) {
   Digest digest;
+  const auto add = [&](const auto* points) {
+    if (!points) return;
+    for (const auto& point : points->position)
+      for (const auto& row : point)
+        for (const float value : row) digest.Add(std::bit_cast<uint32_t>(value));
+  };
   for (uint32_t c = 0; c < scene.shape().chunk_count; ++c) {
-    if (const auto* p = scene.memory().Of<&Streams::strand_points4>(c))
-      for (const auto& point : p->position)
-        for (const auto& row : point)
-          for (const float value : row) digest.Add(std::bit_cast<uint32_t>(value));
-    if (const auto* p = scene.memory().Of<&Streams::strand_points5>(c))
-      for (const auto& point : p->position)
-        for (const auto& row : point)
-          for (const float value : row) digest.Add(std::bit_cast<uint32_t>(value));
+    add(scene.memory().Of<&Streams::strand_points4>(c));
+    add(scene.memory().Of<&Streams::strand_points5>(c));
   }
   return digest.Value();
 }
@@ -262,14 +234,8 @@ uint64_t DigestOfModal(ModalQuality quality, float allowed_px, double distance_m
   scenario.camera.radius_m = distance_m;
   LodSettings lod;
   lod.fast_quality_px = allowed_px;
-  SkipSettings no_cull;
-  no_cull.cull = false;
   RunningScenario running(scenario, {});
-  SerialExecutor serial;
-  for (uint32_t f = 0; f < 12; ++f) {
-    running.Begin(f, no_cull, lod);
-    serial.Run(running.scene().CurrentFrame());
-  }
+  for (uint32_t f = 0; f < 12; ++f) RunFrame(running, f, {.cull = false}, lod);
   return DigestOfPoints(running.scene());
 }
 
@@ -298,16 +264,13 @@ TEST(QualityByScreen, AnotherOneWakesWhatSleeps) {
   scenario.base.wind = {};
   scenario.weather_course = {};
   RunningScenario asleep(scenario, {}), awake(scenario, {});
-  SerialExecutor serial;
   LodSettings lod;
   lod.fast_quality_px = 0.0f;
   uint64_t still = 0;
   for (uint32_t f = 0; f < kOther + 60; ++f) {
     if (f == kOther) lod.fast_quality_px = 1.0e6f;
-    asleep.Begin(f, {}, lod);
-    awake.Begin(f, {.sleep = false}, lod);
-    for (const RunningScenario* running : {&asleep, &awake})
-      serial.Run(running->scene().CurrentFrame());
+    RunFrame(asleep, f, {}, lod);
+    RunFrame(awake, f, {.sleep = false}, lod);
     if (f + 1 < kOther) continue;
     ASSERT_EQ(DigestOfPoints(asleep.scene()), DigestOfPoints(awake.scene())) << "frame " << f;
     if (f + 1 == kOther) still = DigestOfPoints(awake.scene());
@@ -325,10 +288,8 @@ TEST(QualityByScreen, ABudgetTakesFastFirstAndThenStrands) {
     scenario.base.lod.worst_px = 1.0e5f;
     scenario.base.lod.full_detail_px = 0.0f;
     RunningScenario running(scenario, {});
-    SerialExecutor serial;
     for (uint32_t f = 0; f < 4; ++f) {
-      running.Begin(f, {.cull = false, .lod = with_lod}, scenario.base.lod);
-      serial.Run(running.scene().CurrentFrame());
+      RunFrame(running, f, {.cull = false, .lod = with_lod}, scenario.base.lod);
     }
     uint32_t fast = 0;
     for (uint32_t l = 0; l < running.scene().shape().layer_count; ++l)
@@ -377,4 +338,4 @@ TEST(QualityByScreen, TheBoundIsInPixelsAndKeptByABand) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

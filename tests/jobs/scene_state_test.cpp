@@ -3,16 +3,13 @@
 
 #include "tests/jobs/tiny_scene.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 uint64_t RunOne(RunningScenario& running, uint32_t frame, double dt_s = 1.0 / 60.0) {
   FrameInput input = running.Prepare(frame, {}, {});
   input.dt_s = dt_s;
-  EXPECT_TRUE(running.TryBegin(input)) << running.RefusalText(frame);
-  SerialExecutor().Run(running.scene().CurrentFrame());
+  RunInput(running, input);
   return running.scene().DigestFrame();
 }
 
@@ -59,9 +56,7 @@ TEST(FurSceneState, OfAnotherShapeIsRefusedAndNothingIsDone) {
   EXPECT_FALSE(two.scene().CopyStateFrom(one.scene()));
   EXPECT_EQ(one.scene().DigestFrame(), before);
   // Of the same memory, but sorted in pieces: other stages run.
-  SceneOptions pieces;
-  pieces.piecewise_sort_chunks = 1;
-  RunningScenario sorted_in_pieces(scenario, pieces);
+  RunningScenario sorted_in_pieces(scenario, {.piecewise_sort_chunks = 1});
   EXPECT_FALSE(one.scene().CopyStateFrom(sorted_in_pieces.scene()));
 }
 
@@ -79,8 +74,7 @@ TEST(FurSceneState, GoesOnWithTheSameGroomsAsIfNothingHadBeen) {
 // where they are without it.
 void GoOnChanged(auto change, float& moved, float& apart) {
   Scenario scenario = TinyScenario(), changed = TinyScenario();
-  for (Groom& groom : changed.grooms)
-    for (GroomLayer& layer : groom.layers) change(layer.params);
+  for (LayerParams* layer : LayersOf(changed)) change(*layer);
   RunningScenario straight(scenario, {}), replaced(scenario, {});
   const auto curves = [](RunningScenario& running, uint32_t layer) {
     std::vector<StrandCurve> out(size_t(running.scene().shape().LayerChunks(layer)) *
@@ -142,4 +136,4 @@ TEST(FurSceneState, OtherStrandsAreRefusedAndNothingIsDone) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

@@ -9,10 +9,8 @@
 
 #include "tests/jobs/tiny_scene.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 Scenario ShellScenario() {
   Scenario scenario = TinyScenario();
@@ -27,8 +25,7 @@ struct ShellRun {
   void Run() {
     FrameInput input = running.Prepare(frame++, skip, scenario.base.lod);
     if (edit) edit(input);
-    ASSERT_TRUE(running.TryBegin(input));
-    ASSERT_EQ(SerialExecutor().Run(scene().CurrentFrame()), nullptr);
+    RunInput(running, input);
   }
   FurScene& scene() { return running.scene(); }
   uint32_t layer() { return scene().shape().layer_count - 1; }
@@ -366,4 +363,4 @@ TEST(Shells, HaveTheirTexture) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

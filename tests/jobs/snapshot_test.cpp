@@ -12,10 +12,8 @@
 #include "platform_sim/local_store.hpp"
 #include "tests/jobs/tiny_scene.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 using Bytes = std::vector<std::byte>;
 
@@ -45,9 +43,7 @@ std::vector<Course> Courses() {
     arm.radius = 0.05f;
     scenario.capsules.push_back(arm);
     scenario.weather_course = {0.8f, 0.5f, 3};
-    for (Groom& groom : scenario.grooms)
-      for (GroomLayer& layer : groom.layers)
-        if (layer.params.solver == Solver::kModal) layer.params.friction = 0.4f;
+    SetModalFriction(scenario, 0.4f);
     return scenario;
   };
   LodSettings budget;
@@ -56,10 +52,8 @@ std::vector<Course> Courses() {
   time_budget.budget_us = 60;
   time_budget.worst_px = 1e5f;
   time_budget.costs = {200.0f, 5.0f, 50.0f, {20.0f, 10.0f, 40.0f, 80.0f, 160.0f}};
-  SceneOptions apart, rated, indexed;
-  apart.origins = true;
-  rated.velocities = true;
-  indexed.vertex_order = VertexOrder::kIndexBuffer;
+  const SceneOptions apart{.origins = true}, rated{.velocities = true},
+      indexed{.vertex_order = VertexOrder::kIndexBuffer};
   const auto with = [everything](bool origins, bool velocities) {
     return [=] {
       Scenario scenario = everything();
@@ -147,8 +141,7 @@ TEST(Snapshot, IsSeenInAPause) {
     const auto pause = [&](RunningScenario& scene, uint32_t f) {
       FrameInput input = scene.Prepare(f, course.skip, course.lod);
       input.dt_s = 0.0;
-      EXPECT_EQ(BeginError(scene.scene(), input), "");
-      serial.Run(scene.scene().CurrentFrame());
+      RunInput(scene.scene(), input);
       return scene.scene().DigestFrame();
     };
     for (uint32_t f = 0; f < 9; ++f) {
@@ -172,10 +165,9 @@ TEST(Snapshot, OfAnotherSceneOrDamagedIsRefusedAndNothingIsDone) {
   HaloBlock& halo = elsewhere_on_skin.grooms[0].halo[0];
   std::swap(halo.vertex[0], halo.vertex[1]);
   two.actors.push_back(two.actors[0]);
-  SceneOptions apart;
-  apart.origins = true;
   RunningScenario running(scenario, {}), other_strands(elsewhere, {}), more(two, {}),
-      other_corners(elsewhere_on_skin, {}), other_options(scenario, apart), straight(scenario, {});
+      other_corners(elsewhere_on_skin, {}), other_options(scenario, {.origins = true}),
+      straight(scenario, {});
   SerialExecutor serial;
   const Course tiny{"tiny", {}};
   for (uint32_t f = 0; f < 3; ++f) RunAs(running, f, tiny, serial);
@@ -277,9 +269,7 @@ TEST(Snapshot, InputsThatFramesFillAreCarried) {
 
 TEST(Snapshot, IsOfThePlatformsThatSortInPiecesToo) {
   Scenario scenario = TinyScenario(), second = TinyScenario();
-  SceneOptions pieces;
-  pieces.piecewise_sort_chunks = 1;
-  RunningScenario whole(scenario, {}), in_pieces(second, pieces);
+  RunningScenario whole(scenario, {}), in_pieces(second, {.piecewise_sort_chunks = 1});
   SerialExecutor serial;
   LocalStoreExecutor local(PlanOptions{}.local_store_data_bytes);
   const Course tiny{"tiny", {}};
@@ -328,4 +318,4 @@ TEST(Snapshot, BytesAndTimes) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

@@ -16,12 +16,10 @@
 #include "jobs/engine_door.hpp"
 #include "jobs/pull_executor.hpp"
 #include "tests/jobs/tiny_scene.hpp"
-#include "tests/kernels/every_vector.hpp"
+#include "tests/kernels/run_kernel.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 constexpr size_t kStackBytes = 4u << 20;
 constexpr unsigned char kPaintByte = 0xA5;
@@ -71,13 +69,12 @@ class PaintedStack {
 Scenario Everything(bool long_hair, ModalQuality quality) {
   Scenario scenario = TinyScenario();
   if (long_hair) AddLongHair(scenario);
-  for (Groom& groom : scenario.grooms)
-    for (GroomLayer& layer : groom.layers)
-      if (layer.params.solver == Solver::kModal) {
-        layer.params.quality = quality;
-        layer.params.friction = 0.4f;
-        layer.params.max_distance = 0.5f;
-      }
+  for (LayerParams* layer : LayersOf(scenario))
+    if (layer->solver == Solver::kModal) {
+      layer->quality = quality;
+      layer->friction = 0.4f;
+      layer->max_distance = 0.5f;
+    }
   scenario.base.ground[3] = -0.05f;
   return scenario;
 }
@@ -147,6 +144,6 @@ TEST(Stack, AnItemTakesNoMoreThanIsPromised) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing
 
 #endif

@@ -70,8 +70,7 @@ class Coat {
     const float ball[4] = {float(ball_.x), float(ball_.y), float(ball_.z), kRadius};
     std::copy_n(ball, 4, input.sphere[0]);
     input.sphere_velocity[0][2] = kSpeed;
-    ASSERT_TRUE(run_.TryBegin(input));
-    ASSERT_EQ(SerialExecutor().Run(run_.scene().CurrentFrame()), nullptr);
+    RunInput(run_, input);
   }
   std::vector<Strand> Strands() const {
     std::vector<Strand> all;

@@ -6,10 +6,12 @@
 // that a kernel planted to run off its block hits memory of this scene and nothing else.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <initializer_list>
+#include <string_view>
 #include <vector>
 
 #include "core/kernel.hpp"
@@ -57,9 +59,9 @@ class SyntheticSceneOf {
 
   const SceneShape& shape() const { return shape_; }
   FrameMemory& memory() { return memory_; }
-  template <class T>
-  T& Block(Stream stream, uint32_t item) {
-    return *memory_.As<T>(stream, item);
+  template <auto kMember>
+  auto& Of(uint32_t item) {
+    return *memory_.template Of<kMember>(item);
   }
 
   // Floats in [-1, 1), integers of any bits. Toys: every gate open, every lane alive, places of a
@@ -135,31 +137,33 @@ Stage Chunk(Gate gate = {}, KindMask kinds = {}) {
   return MakeStage<K>(Domain::kChunk, gate, kinds);
 }
 
-// What kernels derive from that do nothing: they have these ports.
+// A kernel of this name that does nothing: it has these ports.
+template <size_t kLength>
+struct KernelName {
+  char text[kLength];
+  constexpr KernelName(const char (&name)[kLength]) { std::copy_n(name, kLength, text); }
+};
 template <class... Port>
-struct Declares;
+struct PortsOf;
 template <class A>
-struct Declares<A> {
-  struct Ports {
-    A a;
-  };
-  static void Run(const Ports&) {}
+struct PortsOf<A> {
+  A a;
 };
 template <class A, class B>
-struct Declares<A, B> {
-  struct Ports {
-    A a;
-    B b;
-  };
-  static void Run(const Ports&) {}
+struct PortsOf<A, B> {
+  A a;
+  B b;
 };
 template <class A, class B, class C>
-struct Declares<A, B, C> {
-  struct Ports {
-    A a;
-    B b;
-    C c;
-  };
+struct PortsOf<A, B, C> {
+  A a;
+  B b;
+  C c;
+};
+template <KernelName kText, class... Port>
+struct Declares {
+  static constexpr std::string_view kName{kText.text};
+  using Ports = PortsOf<Port...>;
   static void Run(const Ports&) {}
 };
 

@@ -9,10 +9,8 @@
 #include "tests/determinism/planted_faults.hpp"
 #include "tests/jobs/synthetic_scene.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 constexpr FaultParams kParams{77};
 
@@ -72,4 +70,4 @@ TEST(TbbExecutor, ZeroMeansOneForEachCore) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <string>
@@ -14,16 +15,52 @@
 #include "core/character/pose.hpp"
 #include "core/groom/bake.hpp"
 #include "jobs/frame.hpp"
+#include "tests/run_frame.hpp"
 
 namespace pelt::testing {
 
 inline constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 inline constexpr float kInf = std::numeric_limits<float>::infinity();
 
+inline constexpr SkipSettings kNoSkips{
+    .sleep = false, .unmoved = false, .sort = false, .cull = false, .wind = false, .light = false};
+
 // A copy of the scenario that a test may change.
 inline Scenario TinyScenario() {
   static const Scenario kBaked = LoadScenario("tiny");
   return kBaked;
+}
+
+// What every layer of a scenario is asked for.
+inline std::vector<LayerParams*> LayersOf(Scenario& scenario) {
+  std::vector<LayerParams*> layers;
+  for (Groom& groom : scenario.grooms)
+    for (GroomLayer& layer : groom.layers) layers.push_back(&layer.params);
+  return layers;
+}
+// Another groom for the first actor.
+inline Groom BakeForActor(const Scenario& scenario, const FurSetup& setup) {
+  const Actor& actor = scenario.actors[0];
+  const Character& character = scenario.characters[actor.character];
+  return BakeGroom(character, ComputeRestGeometry(character, actor.unit_scale), setup,
+                   actor.unit_scale);
+}
+// `tiny` with its modal layers sag-free.
+inline Scenario SagFreeTiny() {
+  static const Scenario kBaked = [] {
+    Scenario scenario = TinyScenario();
+    FurSetup setup = LoadSetup("tiny");
+    for (LayerSetup& layer : setup.layers)
+      layer.params.sag_free = layer.params.solver == Solver::kModal;
+    scenario.grooms[scenario.actors[0].groom] = BakeForActor(scenario, setup);
+    return scenario;
+  }();
+  return kBaked;
+}
+
+inline void SetModalFriction(Scenario& scenario, float friction) {
+  for (LayerParams* layer : LayersOf(scenario))
+    if (layer->solver == Solver::kModal) layer->friction = friction;
 }
 
 // One of each kind, near `tiny`.
@@ -41,11 +78,8 @@ inline Lighting TinyLighting() {
 
 // Puts the layers of such a setup behind those of the first character.
 inline void AddLayers(Scenario& scenario, const char* setup_text) {
-  const FurSetup setup = ReadFurSetup(setup_text, "added", ".");
+  const Groom added = BakeForActor(scenario, ReadFurSetup(setup_text, "added", "."));
   Groom& groom = scenario.grooms[scenario.actors[0].groom];
-  const Character& character = scenario.characters[scenario.actors[0].character];
-  const Groom added = BakeGroom(character, ComputeRestGeometry(character, groom.unit_scale), setup,
-                                groom.unit_scale);
   const auto append = [](auto& to, const auto& from) {
     to.insert(to.end(), from.begin(), from.end());
   };
@@ -125,11 +159,10 @@ inline Scenario LitScenario() {
   for (const PaintBrush& brush : TinyBrushes())
     scenario.base.brush[scenario.base.brush_count++] = brush;
   uint32_t layers = 0;
-  for (Groom& groom : scenario.grooms)
-    for (GroomLayer& layer : groom.layers) {
-      layer.params.painted = layers % 4 == 0;
-      layer.params.lit = layers++ % 2 == 0;
-    }
+  for (LayerParams* layer : LayersOf(scenario)) {
+    layer->painted = layers % 4 == 0;
+    layer->lit = layers++ % 2 == 0;
+  }
   return scenario;
 }
 
@@ -138,10 +171,8 @@ inline Scenario LitScenario() {
 inline Scenario EveryOutputScenario() {
   Scenario scenario = LitScenario();
   uint32_t ribbons = 0;
-  for (Groom& groom : scenario.grooms)
-    for (GroomLayer& layer : groom.layers)
-      if (layer.params.output == Output::kRibbons && ribbons++ % 2 == 0)
-        layer.params.output = Output::kLines;
+  for (LayerParams* layer : LayersOf(scenario))
+    if (layer->output == Output::kRibbons && ribbons++ % 2 == 0) layer->output = Output::kLines;
   AddLongHair(scenario);
   AddShells(scenario);
   scenario.grooms[0].layers.back().params.lit = true;
@@ -166,8 +197,7 @@ inline Scenario PatchedScenario() {
     scenario.base.use_ground = false;
     Actor& actor = scenario.actors[0];
     actor.clip = -1;
-    Character& character = scenario.characters[actor.character];
-    character = MakeBuiltinCharacter({});
+    scenario.characters[actor.character] = MakeBuiltinCharacter({});
     const FurSetup setup = ReadFurSetup(
         "[[layer]]\n"
         "name = 'patched'\n"
@@ -177,28 +207,17 @@ inline Scenario PatchedScenario() {
         "max_strands = 4000\n"
         "length = 0.05\n",
         "patched", ".");
-    scenario.grooms[actor.groom] = BakeGroom(
-        character, ComputeRestGeometry(character, actor.unit_scale), setup, actor.unit_scale);
+    scenario.grooms[actor.groom] = BakeForActor(scenario, setup);
     return scenario;
   }();
   return kBaked;
 }
 
-inline SceneOptions OptionsFor(Isa isa) {
-  SceneOptions options;
-  options.isa = isa;
-  return options;
-}
+inline SceneOptions OptionsFor(Isa isa) { return {.isa = isa}; }
 
-// Why the frame was refused; empty when it was not.
-inline std::string BeginError(FurScene& scene, const FrameInput& input) {
-  const char* fault = scene.BeginFrame(input);
-  return fault ? fault : "";
-}
-
-inline void RunFrame(RunningScenario& run, uint32_t frame) {
-  run.Begin(frame);
-  ASSERT_EQ(SerialExecutor().Run(run.scene().CurrentFrame()), nullptr);
+inline void ExpectNoFaults(const auto& local_store_executor) {
+  for (const auto& f : local_store_executor.faults())
+    ADD_FAILURE() << f.stage << ", item " << f.item << ": " << f.what;
 }
 
 // The digest of every frame.
@@ -214,6 +233,13 @@ inline std::vector<uint64_t> RunDigests(Scenario& scenario, const SceneOptions& 
     digests.push_back(running.scene().DigestFrame());
   }
   return digests;
+}
+
+inline std::vector<uint64_t> RunDigests(Scenario& scenario, const SceneOptions& options,
+                                        uint32_t frames, const SkipSettings& skip = {},
+                                        const LodSettings& lod = {}) {
+  SerialExecutor serial;
+  return RunDigests(scenario, options, serial, frames, skip, lod);
 }
 
 // Says in which frame two courses part.
@@ -244,6 +270,23 @@ inline uint32_t CountPatches(const FurScene& scene, uint32_t set, uint32_t clear
 }
 inline uint32_t CountAsleep(const FurScene& scene) {
   return CountChunks(scene, kChunkVisible, kChunkSimulate);
+}
+
+// No living point is farther than 10 m from the origin.
+inline void ExpectPointsNear(const FurScene& scene) {
+  const auto expect = [&](Stream stream, uint32_t points) {
+    for (uint32_t i = 0; i < scene.shape().ItemCount(DescribeStream(stream).domain); ++i) {
+      const float* p = scene.memory().As<float>(stream, i);
+      for (uint32_t row = 0; p && row < 3 * (points - 1); ++row)
+        for (uint32_t lane = 0; lane < scene.LiveLanes(stream, i); ++lane)
+          ASSERT_LT(std::abs(p[row * kStrandsPerChunk + lane]), 10.0f)
+              << DescribeStream(stream).name << " of item " << i << ", lane " << lane;
+    }
+  };
+  expect(StreamOf<&Streams::vertex_points>, 4);
+  expect(StreamOf<&Streams::strand_points4>, 4);
+  expect(StreamOf<&Streams::strand_points5>, 5);
+  expect(StreamOf<&Streams::strand_points9>, 9);
 }
 
 }  // namespace pelt::testing

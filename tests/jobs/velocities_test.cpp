@@ -10,10 +10,9 @@
 #include "core/bind_pose.hpp"
 #include "core/groom/groom_file.hpp"
 #include "core/kernels/frame_table.hpp"
-#include "jobs/pelt.h"
 #include "platform_sim/local_store.hpp"
+#include "tests/jobs/c_scene.hpp"
 #include "tests/jobs/non_finite.hpp"
-#include "tests/jobs/tiny_scene.hpp"
 #include "traces/input_log.hpp"
 
 namespace pelt::testing {
@@ -21,11 +20,7 @@ namespace {
 
 using accuracy::Double3, accuracy::IsFinite, accuracy::Length;
 
-SceneOptions WithVelocities(Isa isa = BestIsa()) {
-  SceneOptions options = OptionsFor(isa);
-  options.velocities = true;
-  return options;
-}
+SceneOptions WithVelocities(Isa isa = BestIsa()) { return {.isa = isa, .velocities = true}; }
 
 Double3 At(const float (&rows)[3][kStrandsPerChunk], uint32_t lane) {
   return {rows[0][lane], rows[1][lane], rows[2][lane]};
@@ -111,12 +106,11 @@ std::vector<Double3> PointsAt(uint32_t rate, bool velocities, double seconds) {
   scenario.weather_course = {};
   scenario.spheres.clear();  // they jump from frame to frame, as wind does
   scenario.base.wind = {};
-  for (Groom& groom : scenario.grooms)
-    for (GroomLayer& layer : groom.layers) {
-      layer.params.quality = ModalQuality::kFine;
-      layer.params.frequency_hz = 10.0f;  // stiff hair feels most of how its root moves
-    }
-  RunningScenario run(scenario, velocities ? WithVelocities() : OptionsFor(BestIsa()));
+  for (LayerParams* layer : LayersOf(scenario)) {
+    layer->quality = ModalQuality::kFine;
+    layer->frequency_hz = 10.0f;  // stiff hair feels most of how its root moves
+  }
+  RunningScenario run(scenario, velocities ? WithVelocities() : SceneOptions{});
   std::vector<Double3> all;
   const uint32_t every = rate / 15;
   for (uint32_t f = 0; f <= uint32_t(15 * seconds) * every; ++f) {
@@ -160,8 +154,7 @@ TEST(Velocities, NothingChangesUntilTheyAreGiven) {
     const FrameInput input = rated.Prepare(f, other.base.skip, other.base.lod);
     ASSERT_NE(rated.scene().PoseRates(0), nullptr);
     rated.scene().PoseRates(0)->given = 0;
-    ASSERT_TRUE(rated.TryBegin(input));
-    ASSERT_EQ(SerialExecutor().Run(rated.scene().CurrentFrame()), nullptr);
+    RunInput(rated, input);
     for (uint32_t s = 0; s < kStreamCount; ++s)
       if (plain.scene().memory().streams[s].block_count != 0) {
         ASSERT_EQ(plain.scene().DigestStream(Stream(s)), rated.scene().DigestStream(Stream(s)))
@@ -178,22 +171,19 @@ TEST(Velocities, NothingChangesUntilTheyAreGiven) {
 
 TEST(Velocities, HaveTheSameBitsOnEveryInstructionSetAndInLocalStores) {
   constexpr uint32_t kFrames = 8;
-  SerialExecutor serial;
   Scenario scenario = TinyScenario();
   const std::vector<uint64_t> expected =
-      RunDigests(scenario, WithVelocities(Isa::kReference), serial, kFrames);
+      RunDigests(scenario, WithVelocities(Isa::kReference), kFrames);
   for (const Isa isa : kAllIsas)
     if (FindKernels(isa)) {
-      EXPECT_EQ(RunDigests(scenario, WithVelocities(isa), serial, kFrames), expected)
-          << IsaName(isa);
+      EXPECT_EQ(RunDigests(scenario, WithVelocities(isa), kFrames), expected) << IsaName(isa);
     }
   for (const bool fuse : {true, false}) {
     SceneOptions options = WithVelocities();
     options.plan.fuse = fuse;
     LocalStoreExecutor local(options.plan.local_store_data_bytes);
     EXPECT_EQ(RunDigests(scenario, options, local, kFrames), expected);
-    for (const LocalStoreFault& f : local.faults())
-      ADD_FAILURE() << f.stage << ", item " << f.item << ": " << f.what;
+    ExpectNoFaults(local);
   }
 }
 
@@ -218,8 +208,7 @@ TEST(Velocities, WakeAndLetSleepAgain) {
   ASSERT_EQ(simulated(), 0u) << "nothing came to rest";
   const FrameInput input = run.Prepare(frame++, scenario.base.skip, scenario.base.lod);
   run.scene().PoseRates(0)->translation[0][0] = 0.5f;
-  ASSERT_TRUE(run.TryBegin(input));
-  ASSERT_EQ(SerialExecutor().Run(run.scene().CurrentFrame()), nullptr);
+  RunInput(run, input);
   EXPECT_GT(simulated(), 0u);
   double off = 0.0;
   for (const RootRate& rate : RatesOf(run.scene())) off = std::max(off, Length(rate.velocity));
@@ -251,9 +240,8 @@ TEST(Velocities, OfAnySizeLeaveEverythingFinite) {
     if (f % 5 == 4)
       for (auto& key : scene.Pose(0).scale_key)
         for (auto& row : key) row[random() % 8] = 0.0f;
-    ASSERT_EQ(scene.BeginFrame(input), nullptr);
+    RunInput(scene, input);
     accepted += scene.RefusedPoses().empty();
-    ASSERT_EQ(SerialExecutor().Run(scene.CurrentFrame()), nullptr);
     ASSERT_EQ(FindNonFinite(scene), "") << f;
   }
   EXPECT_GT(accepted, 30u);
@@ -272,8 +260,7 @@ TEST(Velocities, AreRecordedAndReplayed) {
   for (uint32_t f = 0; f < 6; ++f) {
     const FrameInput input = run.Prepare(f, scenario.base.skip, scenario.base.lod);
     run.scene().PoseRates(0)->given = f != 3;
-    ASSERT_TRUE(run.TryBegin(input));
-    ASSERT_EQ(SerialExecutor().Run(run.scene().CurrentFrame()), nullptr);
+    RunInput(run, input);
     ASSERT_EQ(writer.AddFrame(input, {&run.scene().Pose(0), 1}, run.scene().DigestFrame(),
                               {run.scene().PoseRates(0), 1}),
               nullptr);
@@ -284,22 +271,17 @@ TEST(Velocities, AreRecordedAndReplayed) {
     log.FillPose(f, 0, &again.scene().Pose(0));
     log.FillPoseRates(f, 0, again.scene().PoseRates(0));
     EXPECT_EQ(again.scene().PoseRates(0)->given, f != 3 ? 1u : 0u);
-    ASSERT_EQ(again.scene().BeginFrame(log.Input(f)), nullptr);
-    ASSERT_EQ(SerialExecutor().Run(again.scene().CurrentFrame()), nullptr);
+    RunInput(again.scene(), log.Input(f));
     EXPECT_EQ(again.scene().DigestFrame(), log.frames[f].digest) << f;
   }
 }
 
 TEST(Velocities, ComeInByTheCInterface) {
   const Scenario scenario = TinyScenario();
-  const std::vector<std::byte> file = WriteGroom(scenario.grooms[0]).OrThrow();
-  const PeltBytes groom = {file.data(), file.size()};
   PeltSceneOptions options{};
   options.velocities = 1;
-  char why[200] = "";
-  PeltScene* scene = pelt_create(&groom, 1, &options, why, sizeof why);
-  PeltScene* plain = pelt_create(&groom, 1, nullptr, why, sizeof why);
-  ASSERT_TRUE(scene && plain) << why;
+  const OwnScene made = MakeCScene(&options), made_plain = MakeCScene(nullptr);
+  PeltScene *const scene = made.get(), *const plain = made_plain.get();
   const PeltJointVelocity velocity = {{0.0f, 0.5f, 0.0f}, {1.0f, 0.0f, 0.0f}, {}};
   const float root[12] = {0, 0, 0, 0.3f};
   EXPECT_NE(pelt_set_joint_velocity(plain, 0, 0, &velocity), nullptr);
@@ -330,12 +312,9 @@ TEST(Velocities, ComeInByTheCInterface) {
     input.time_s = frame.time_s = f / 60.0;
     ASSERT_EQ(pelt_begin(scene, &frame), nullptr);
     ASSERT_EQ(pelt_run(scene, nullptr), nullptr);
-    ASSERT_EQ(own.scene().BeginFrame(input), nullptr);
-    ASSERT_EQ(SerialExecutor().Run(own.scene().CurrentFrame()), nullptr);
+    RunInput(own.scene(), input);
     EXPECT_EQ(pelt_digest(scene), own.scene().DigestFrame()) << f;
   }
-  pelt_destroy(scene);
-  pelt_destroy(plain);
 }
 
 // A character whose pose is refused stands still, regardless of the velocities given for it: as one that is
@@ -349,15 +328,13 @@ TEST(Velocities, OfAPoseThatIsHeldDoNotCount) {
     const FrameInput input = scenario.PrepareFrame(f, held.scene());
     ASSERT_NE(held.scene().PoseRates(0)->given, 0u);
     if (refused) held.scene().Pose(0).root[3] = std::numeric_limits<float>::quiet_NaN();
-    ASSERT_EQ(BeginError(held.scene(), input), "");
+    RunInput(held.scene(), input);
     ASSERT_EQ(held.scene().RefusedPoses().size(), refused ? 1u : 0u);
-    ASSERT_EQ(SerialExecutor().Run(held.scene().CurrentFrame()), nullptr);
 
     const FrameInput same = scenario.PrepareFrame(f, again.scene());
     if (refused) again.scene().Pose(0) = last, again.scene().PoseRates(0)->given = 0;
     last = again.scene().Pose(0);
-    ASSERT_EQ(BeginError(again.scene(), same), "");
-    ASSERT_EQ(SerialExecutor().Run(again.scene().CurrentFrame()), nullptr);
+    RunInput(again.scene(), same);
     for (const Stream points :
          {StreamOf<&Streams::strand_points4>, StreamOf<&Streams::strand_points5>})
       ASSERT_EQ(held.scene().DigestStream(points), again.scene().DigestStream(points))
@@ -373,8 +350,7 @@ TEST(Velocities, ThatCannotBeUsedRefuseThePoseAndSayWhy) {
   const auto text_of = [&](auto spoil) -> std::string {
     const FrameInput input = scenario.PrepareFrame(1, scene);
     spoil(*scene.PoseRates(0));
-    EXPECT_EQ(scene.BeginFrame(input), nullptr);
-    EXPECT_EQ(SerialExecutor().Run(scene.CurrentFrame()), nullptr);
+    RunInput(scene, input);
     const auto refused = scene.RefusedPoses();
     return refused.empty() ? "" : DescribeRefusedPose(refused[0]);
   };

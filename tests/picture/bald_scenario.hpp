@@ -45,9 +45,7 @@ inline Scenario BaldScenario(const std::string& layer, bool unlit) {
   Character& character = scenario.characters[scenario.actors[0].character];
   FurSetup setup = ReadFurSetup("[[layer]]\nname = 'coat'\n" + layer, "bald", ".");
   setup.layers[0].mask.bald.map = BaldMap();
-  const float scale = scenario.actors[0].unit_scale;
-  const Groom groom = BakeGroom(character, ComputeRestGeometry(character, scale), setup, scale);
-  scenario.grooms = {groom};
+  scenario.grooms = {BakeForActor(scenario, setup)};
   scenario.setups = {setup};
   character.images = {BaldImage()};
   character.mesh.looks.assign(character.mesh.materials.size(),

@@ -7,10 +7,8 @@
 #include "tests/picture/bald_scenario.hpp"
 #include "tests/picture/gl_pictures.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 const PictureScene& Spotted() {
   static const Shown shown(
@@ -97,4 +95,4 @@ TEST_F(GlPicture, BaldSkinIsThatOfTheSoftware) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

@@ -9,10 +9,8 @@
 #include "core/random.hpp"
 #include "tests/picture/gl_pictures.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 constexpr float kWide = 0.012f;
 
@@ -119,4 +117,4 @@ TEST_F(GlCardPicture, ThinHairsAreAsBefore) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

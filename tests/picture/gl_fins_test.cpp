@@ -7,10 +7,8 @@
 
 #include "tests/picture/gl_pictures.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 constexpr PictureOptions kSquare{240, 240, 2};
 
@@ -155,4 +153,4 @@ TEST(FinPicture, IsTheSameByOpenGl) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

@@ -7,10 +7,8 @@
 #include "tests/picture/bald_scenario.hpp"
 #include "tests/picture/gl_pictures.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 // Unlit and green but for the holes.
 Scenario HolesScenario(bool holes) {
@@ -30,8 +28,7 @@ Scenario HolesScenario(bool holes) {
                                                                 .alpha_image = 0});
   FurSetup& setup = scenario.setups[0];
   setup.layers[0].mask.bald.map = nullptr;
-  const float scale = scenario.actors[0].unit_scale;
-  scenario.grooms = {BakeGroom(character, ComputeRestGeometry(character, scale), setup, scale)};
+  scenario.grooms = {BakeForActor(scenario, setup)};
   return scenario;
 }
 
@@ -91,4 +88,4 @@ TEST_F(GlPicture, HolesAreThoseOfTheSoftware) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

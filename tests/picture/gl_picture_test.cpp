@@ -11,10 +11,8 @@
 #include "bench/picture/png.hpp"
 #include "tests/picture/gl_pictures.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 // Layers' hairs in another order; `sequence` has the places of each as they are to be.
 class Reordered {
@@ -73,8 +71,7 @@ TEST_F(GlPicture, LayersHideEachOtherInAnyOrder) {
 // Normals from look records are those of the roots, but for 16 bits.
 TEST_F(GlPicture, LookRecordsHaveTheRootsNormals) {
   Scenario scenario = BakedMonster();
-  for (Groom& groom : scenario.grooms)
-    for (GroomLayer& layer : groom.layers) layer.params.lit = true;
+  for (LayerParams* layer : LayersOf(scenario)) layer->lit = true;
   for (const VertexOrder order : {VertexOrder::kSorted, VertexOrder::kIndexBuffer}) {
     const Shown lit(scenario, order);
     for (const LayerDraw& draw : lit.scene().draws) ASSERT_FALSE(draw.looks.empty());
@@ -210,4 +207,4 @@ TEST_F(GlPicture, RefusesWhatTheDriverCannotDraw) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

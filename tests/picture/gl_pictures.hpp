@@ -23,9 +23,8 @@ inline constexpr double kTwinDb = 30.0, kFurTwinDb = 45.0;
 class Shown {
  public:
   Shown(Scenario drawn, VertexOrder order, const std::vector<std::string>& relief = {})
-      : scenario_(std::move(drawn)), running_(scenario_, Options(order)) {
-    running_.Begin(0);
-    SerialExecutor().Run(running_.scene().CurrentFrame());
+      : scenario_(std::move(drawn)), running_(scenario_, {.vertex_order = order}) {
+    RunFrame(running_, 0);
     std::vector<std::string> notes;
     const Camera camera = scenario_.PrepareFrame(0, running_.scene()).camera;
     scene_ = GatherPicture(scenario_, running_.scene(), camera, order, notes, relief);
@@ -33,11 +32,6 @@ class Shown {
   const PictureScene& scene() const { return scene_; }
 
  private:
-  static SceneOptions Options(VertexOrder order) {
-    SceneOptions options;
-    options.vertex_order = order;
-    return options;
-  }
   Scenario scenario_;
   RunningScenario running_;
   PictureScene scene_{};

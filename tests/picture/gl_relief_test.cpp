@@ -7,10 +7,8 @@
 
 #include "tests/picture/gl_pictures.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 // Of a close look at fur on skin; both renderers sample the same places.
 constexpr double kReliefTwinDb = 40.0;
@@ -86,4 +84,4 @@ TEST_F(GlReliefPicture, EachPlantedFaultIsSeen) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

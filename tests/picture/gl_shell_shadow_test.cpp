@@ -8,10 +8,8 @@
 #include "bench/picture/shadows.hpp"
 #include "tests/picture/gl_pictures.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 struct GlShellShadow : GlPicture {
   // Shells and the skin below them, no hairs.
@@ -86,4 +84,4 @@ TEST_F(GlShellShadow, ForgetsTheOrder) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

@@ -6,10 +6,8 @@
 #include "tests/picture/bald_scenario.hpp"
 #include "tests/picture/gl_pictures.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 // Short dark fur over skin that shows, unlit, where there is to be none.
 const PictureScene& Coat() {
@@ -120,4 +118,4 @@ TEST_F(GlPicture, StencilIsThatOfTheSoftware) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

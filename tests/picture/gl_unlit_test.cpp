@@ -8,10 +8,8 @@
 #include "tests/picture/gl_pictures.hpp"
 #include "tests/picture/unlit_scenario.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 PictureScene InTheDark(PictureScene scene) {
   scene.ForEachLook([](PictureLook& look) {
@@ -72,4 +70,4 @@ TEST_F(GlPicture, UnlitSkinIsThatOfTheSoftware) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

@@ -6,10 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 // The eye 1 m before the origin, on the axis z.
 Camera TestCamera() {
@@ -79,4 +77,4 @@ TEST(OrderError, PsnrIsTheMeanSquareInDecibels) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

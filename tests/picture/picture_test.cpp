@@ -17,21 +17,13 @@
 #include "tests/error_from.hpp"
 #include "tests/jobs/tiny_scene.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 struct Drawn {
   explicit Drawn(VertexOrder order, Scenario drawn = EveryOutputScenario(), uint32_t frame = 0)
-      : order(order), scenario(std::move(drawn)), running(scenario, Options(order)) {
-    running.Begin(frame);
-    SerialExecutor().Run(running.scene().CurrentFrame());
-  }
-  static SceneOptions Options(VertexOrder order) {
-    SceneOptions options;
-    options.vertex_order = order;
-    return options;
+      : order(order), scenario(std::move(drawn)), running(scenario, {.vertex_order = order}) {
+    RunFrame(running, frame);
   }
   std::vector<std::byte> Picture(const std::vector<std::string>& relief = {}) {
     const Camera camera = scenario.PrepareFrame(0, running.scene()).camera;
@@ -253,9 +245,8 @@ TEST(Picture, PaintIsOnHairAndSkin) {
   Scenario scenario = EveryOutputScenario();
   scenario.base.brush_count = 1;
   scenario.base.brush[0] = {{0, 0.5f, 0}, 0.4f, 1.0f, uint32_t(PaintChannel::kMud), 1.0f};
-  for (Groom& groom : scenario.grooms)
-    for (GroomLayer& layer : groom.layers)
-      layer.params.lit = layer.params.painted = layer.params.output != Output::kShells;
+  for (LayerParams* layer : LayersOf(scenario))
+    layer->lit = layer->painted = layer->output != Output::kShells;
   Drawn drawn(VertexOrder::kSorted, scenario);
   const glm::vec3 centre(0, 0.5f, 0);
   uint32_t muddy = 0, clean = 0;
@@ -286,11 +277,10 @@ TEST(Picture, WetSkinIsAsDarkAsWetFur) {
     Scenario scenario = TinyScenario();
     scenario.weather_course = {1.0f, 0.0f, 0};
     float darken = 0.0f;
-    for (Groom& groom : scenario.grooms)
-      for (GroomLayer& layer : groom.layers) {
-        layer.params.lit = layer.params.painted = painted;
-        darken = layer.params.wet_darken = 0.25f;
-      }
+    for (LayerParams* layer : LayersOf(scenario)) {
+      layer->lit = layer->painted = painted;
+      darken = layer->wet_darken = 0.25f;
+    }
     Drawn drawn(VertexOrder::kSorted, scenario, 40);
     const Mesh& mesh = scenario.characters[0].mesh;
     const SkinFur fur = FindSkinFur(drawn.running.scene(), 0, mesh);
@@ -349,4 +339,4 @@ TEST(Picture, FurCoversOnlyWhereItGrows) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

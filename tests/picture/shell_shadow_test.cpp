@@ -9,10 +9,8 @@
 #include "core/random.hpp"
 #include "tests/jobs/tiny_scene.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 FurTexture SomeFur() {
   FurTexture fur{32, std::vector<uint8_t>(32 * 32)};
@@ -87,4 +85,4 @@ TEST(ShellShadow, APartIsAPartOfTheMap) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

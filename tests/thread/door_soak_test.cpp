@@ -16,10 +16,8 @@
 #include "jobs/conformance.hpp"
 #include "tests/jobs/tiny_scene.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 std::atomic<uint64_t> items_run{0};
 
@@ -176,8 +174,7 @@ TEST(DoorSoak, ConformanceOnThreads) {
 
 TEST(DoorSoak, WholeFrameGivesTheSerialBits) {
   Scenario scenario = TinyScenario();
-  SerialExecutor serial;
-  const auto truth = RunDigests(scenario, {}, serial, 22);
+  const auto truth = RunDigests(scenario, {}, 22);
   PullPool polling(16);
   ExpectSameFrames(truth, RunDigests(scenario, {}, polling, 22), "polling threads");
   ThreadPoolDoor pool(16);
@@ -186,4 +183,4 @@ TEST(DoorSoak, WholeFrameGivesTheSerialBits) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

@@ -20,10 +20,8 @@
 #endif
 #endif
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 // Hands out the items of a pass by a counter (or, interleaved, item i to thread i % n, so that
 // neighbours always meet), with a barrier after every pass. The counter orders nothing by itself:
@@ -62,8 +60,7 @@ class ThreadExecutor final : public Executor {
 
 TEST(Threads, WholeFrameGivesTheSerialBits) {
   Scenario scenario = TinyScenario();
-  SerialExecutor serial;
-  const auto truth = RunDigests(scenario, {}, serial, 22);
+  const auto truth = RunDigests(scenario, {}, 22);
   for (const uint32_t threads : {2u, 3u, 7u})
     for (const bool interleaved : {false, true}) {
       ThreadExecutor executor(threads, interleaved);
@@ -74,8 +71,7 @@ TEST(Threads, WholeFrameGivesTheSerialBits) {
 
 TEST(Threads, SortInPiecesAndUnfusedGiveTheSerialBits) {
   Scenario scenario = TinyScenario();
-  SerialExecutor serial;
-  const auto truth = RunDigests(scenario, {}, serial, 6);
+  const auto truth = RunDigests(scenario, {}, 6);
   SceneOptions options;
   options.piecewise_sort_chunks = 1;
   options.plan.fuse = false;
@@ -120,4 +116,4 @@ TEST(ThreadsDeathTest, PlantedRaceIsCaught) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

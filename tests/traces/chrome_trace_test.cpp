@@ -6,10 +6,8 @@
 
 #include "tests/traces/trace_checker.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 // Two tracks; on the first a frame over two passes that touch, the second pass over two items that
 // touch; on the second track one item. An arrow from the first pass to the item next door.
@@ -133,4 +131,4 @@ TEST(ChromeTrace, ABackwardFlowIsSeen) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

@@ -1,9 +1,8 @@
-#include "core/printable.hpp"
-
 #include <gtest/gtest.h>
 
 #include <random>
 
+#include "core/format.hpp"
 #include "traces/chrome_trace.hpp"
 
 namespace pelt {

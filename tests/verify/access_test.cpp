@@ -6,10 +6,8 @@
 
 #include "tests/verify/planting.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 VerifyReport RunAccessAtRest(Tamper tamper) { return RunSection("access", 6, std::move(tamper)); }
 
@@ -34,17 +32,15 @@ TEST(VerifyAccess, AReadOfANeighbourWhoseValueNeverMattersIsFound) {
 }
 
 TEST(VerifyAccess, AReadOfAnotherCharacterIsFoundAndNamed) {
-  VerifyOptions options = OneExecutor("serial", 2);
-  options.tamper = Planting("skin", [](const void* params, const Binding* bindings) {
-    healthy.run(params, bindings);
-    // One character on: in a scene of one there is nothing there but another stream.
-    const auto* next =
-        Launder(healthy.As<const PaletteBlock>(bindings, StreamOf<&Streams::palette>)) + 1;
-    healthy.As<SkinnedBlock>(bindings, StreamOf<&Streams::skinned>)->vertex[0].position[0] +=
-        Launder(next->matrix[0])[3];
-  });
-  const CaseResult result = RunOne(options);
-  EXPECT_FALSE(result.passed);
+  const CaseResult result =
+      RunPlanted("serial", "skin", [](const void* params, const Binding* bindings) {
+        healthy.run(params, bindings);
+        // One character on: in a scene of one there is nothing there but another stream.
+        const auto* next =
+            Launder(healthy.As<const PaletteBlock>(bindings, StreamOf<&Streams::palette>)) + 1;
+        healthy.As<SkinnedBlock>(bindings, StreamOf<&Streams::skinned>)->vertex[0].position[0] +=
+            Launder(next->matrix[0])[3];
+      });
   if (!ExecutorKind("guarded")->IsAvailable()) return;
   EXPECT_EQ(result.kind, FindingKind::kUndeclaredRead) << result.reason;
   EXPECT_EQ(result.stage, "skin");
@@ -52,31 +48,28 @@ TEST(VerifyAccess, AReadOfAnotherCharacterIsFoundAndNamed) {
 
 TEST(VerifyAccess, APointerKeptFromTheLastItemIsFound) {
   if (!ExecutorKind("guarded")->IsAvailable()) GTEST_SKIP() << "no pages to close";
-  VerifyOptions options = OneExecutor("guarded", 2);
-  options.tamper = Planting("skin", [](const void* params, const Binding* bindings) {
-    healthy.run(params, bindings);
-    auto* mesh = healthy.As<std::byte>(bindings, StreamOf<&Streams::mesh>);
-    if (healthy.kept && *Launder(healthy.kept) == std::byte{77})
-      healthy.As<SkinnedBlock>(bindings, StreamOf<&Streams::skinned>)->vertex[0].position[0] = 0.0f;
-    healthy.kept = mesh;
-  });
-  const CaseResult result = RunOne(options);
-  EXPECT_FALSE(result.passed);
+  const CaseResult result =
+      RunPlanted("guarded", "skin", [](const void* params, const Binding* bindings) {
+        healthy.run(params, bindings);
+        auto* mesh = healthy.As<std::byte>(bindings, StreamOf<&Streams::mesh>);
+        if (healthy.kept && *Launder(healthy.kept) == std::byte{77})
+          healthy.As<SkinnedBlock>(bindings, StreamOf<&Streams::skinned>)->vertex[0].position[0] =
+              0.0f;
+        healthy.kept = mesh;
+      });
   EXPECT_EQ(result.stage, "skin");
   EXPECT_TRUE(result.kind == FindingKind::kUndeclaredRead) << result.reason;
 }
 
 TEST(VerifyAccess, AWriteOfTheSameValuePastTheEndIsFound) {
   if (!ExecutorKind("guarded")->IsAvailable()) GTEST_SKIP() << "no pages to close";
-  VerifyOptions options = OneExecutor("guarded", 2);
-  options.tamper = Planting("fit_cubic_4", [](const void* params, const Binding* bindings) {
-    healthy.run(params, bindings);
-    auto* behind = reinterpret_cast<std::byte*>(
-        Launder(healthy.As<CurveBlock>(bindings, StreamOf<&Streams::curves>)) + 1);
-    *Launder(behind) = *Launder(behind);
-  });
-  const CaseResult result = RunOne(options);
-  EXPECT_FALSE(result.passed);
+  const CaseResult result =
+      RunPlanted("guarded", "fit_cubic_4", [](const void* params, const Binding* bindings) {
+        healthy.run(params, bindings);
+        auto* behind = reinterpret_cast<std::byte*>(
+            Launder(healthy.As<CurveBlock>(bindings, StreamOf<&Streams::curves>)) + 1);
+        *Launder(behind) = *Launder(behind);
+      });
   EXPECT_EQ(result.stage, "fit_cubic_4");
   EXPECT_EQ(result.stream, "curves") << result.reason;
 }
@@ -105,16 +98,14 @@ TEST(VerifyAccess, AWriteInFrontOfTheBlockAndOneThroughAReadOnlyPortAreFound) {
 
 TEST(VerifyAccess, StaticStateIsFound) {
   if (!ExecutorKind("guarded")->IsAvailable()) GTEST_SKIP() << "no pages to close";
-  VerifyOptions options = OneExecutor("guarded", 2);
   static uint32_t runs;
   runs = 0;
-  options.tamper = Planting("sample_pose", [](const void* params, const Binding* bindings) {
-    healthy.run(params, bindings);
-    healthy.As<LocalPoseBlock>(bindings, StreamOf<&Streams::local_pose>)->translation[0][0] +=
-        float(runs++);
-  });
-  const CaseResult result = RunOne(options);
-  EXPECT_FALSE(result.passed);
+  const CaseResult result =
+      RunPlanted("guarded", "sample_pose", [](const void* params, const Binding* bindings) {
+        healthy.run(params, bindings);
+        healthy.As<LocalPoseBlock>(bindings, StreamOf<&Streams::local_pose>)->translation[0][0] +=
+            float(runs++);
+      });
   EXPECT_EQ(result.kind, FindingKind::kHiddenState) << result.reason;
   EXPECT_EQ(result.stage, "sample_pose");
 }
@@ -181,4 +172,4 @@ TEST(VerifyAccess, VerticesOfTheLastLaneGroupLeftOutAreFound) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

@@ -7,15 +7,15 @@
 #include "core/kernels/select_lod.hpp"
 #include "tests/verify/planting.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
 
-using namespace testing;
-
-VerifyReport RunCulling(Tamper tamper) { return RunSection("culling", 6, std::move(tamper)); }
+::testing::AssertionResult FindsCulling(const char* stage, Planted planted, const char* name) {
+  return Finds("culling", 6, FindingKind::kCull, name, stage, planted);
+}
 
 TEST(VerifyCulling, HealthyScenePassesWithLayersThatLeaveAndReturn) {
-  const VerifyReport report = RunCulling({});
+  const VerifyReport report = RunSection("culling", 6, {});
   EXPECT_TRUE(report.Passed()) << DescribeReport(report);
   for (const CheckResult& c : ChecksOf(report, "culling")) {
     EXPECT_TRUE(c.compared) << c.name << ": " << c.reason;
@@ -39,12 +39,8 @@ void CullAtTheMiddle(const void* params, const Binding* bindings) {
 }
 
 TEST(VerifyCulling, APlaneTestThatCullsTooMuchIsFound) {
-  for (const Planted planted : {CullEverything, CullAtTheMiddle}) {
-    const VerifyReport report = RunCulling(Planting("select_lod", planted));
-    const auto checks = ChecksOf(report, "culling");
-    EXPECT_TRUE(AnyFailed(checks, FindingKind::kCull, "no layer in view"))
-        << DescribeReport(report);
-  }
+  for (const Planted planted : {CullEverything, CullAtTheMiddle})
+    EXPECT_TRUE(FindsCulling("select_lod", planted, "no layer in view"));
 }
 
 // A layer that returns goes on from where it left instead of starting from its groom.
@@ -63,11 +59,7 @@ TEST(VerifyCulling, ALayerThatReturnsWithoutARestartIsFound) {
       {"activate", &ActivateWithoutRestart<&Streams::chunk_state>},
       {"activate_followers", &ActivateWithoutRestart<&Streams::chunk_state>},
       {"activate_patch", &ActivateWithoutRestart<&Streams::patch_state>}};
-  for (const auto& [stage, planted] : kPlanted) {
-    const VerifyReport report = RunCulling(Planting(stage, planted));
-    EXPECT_TRUE(AnyFailed(ChecksOf(report, "culling"), FindingKind::kCull, "return"))
-        << stage << ": " << DescribeReport(report);
-  }
+  for (const auto& [stage, planted] : kPlanted) EXPECT_TRUE(FindsCulling(stage, planted, "return"));
 }
 
 // Only the flag that says so: all lanes are new in any case.
@@ -78,11 +70,8 @@ void ActivateWithoutTheRestartFlag(const void* params, const Binding* bindings) 
 }
 
 TEST(VerifyCulling, ALayerThatReturnsAndDoesNotSayThatItRestartsIsFound) {
-  for (const char* stage : {"activate", "activate_followers"}) {
-    const VerifyReport report = RunCulling(Planting(stage, ActivateWithoutTheRestartFlag));
-    EXPECT_TRUE(AnyFailed(ChecksOf(report, "culling"), FindingKind::kCull, "return"))
-        << stage << ": " << DescribeReport(report);
-  }
+  for (const char* stage : {"activate", "activate_followers"})
+    EXPECT_TRUE(FindsCulling(stage, ActivateWithoutTheRestartFlag, "return"));
 }
 
 // Keys that are those of the last time in view are reported as unchanged.
@@ -96,9 +85,7 @@ void KeysWithoutTheRestart(const void* params, const Binding* bindings) {
 }
 
 TEST(VerifyCulling, AnUnchangedKeyThatIsNotReportedAfterAReturnIsFound) {
-  const VerifyReport report = RunCulling(Planting("sort_key4", KeysWithoutTheRestart));
-  EXPECT_TRUE(AnyFailed(ChecksOf(report, "culling"), FindingKind::kCull, "the same picture"))
-      << DescribeReport(report);
+  EXPECT_TRUE(FindsCulling("sort_key4", KeysWithoutTheRestart, "the same picture"));
 }
 
 // The box of the skin, on its low or its high side.
@@ -115,9 +102,7 @@ void BoundOfTheSkin(const void* params, const Binding* bindings) {
 TEST(VerifyCulling, ABoxWithoutTheFursLengthIsFound) {
   for (const bool low : {true, false}) {
     skin_low = low;
-    const VerifyReport report = RunCulling(Planting("bound_layer", BoundOfTheSkin));
-    EXPECT_TRUE(AnyFailed(ChecksOf(report, "culling"), FindingKind::kCull, "tips"))
-        << DescribeReport(report);
+    EXPECT_TRUE(FindsCulling("bound_layer", BoundOfTheSkin, "tips"));
   }
 }
 
@@ -138,4 +123,4 @@ TEST(ViewTest, SeesWhatStandsBeforeTheCamera) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

@@ -5,10 +5,8 @@
 #include "tests/verify/planting.hpp"
 #include "traces/digest.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 VerifyReport RunDigests(std::function<uint64_t(const FurScene&, Stream)> digest_stream,
                         const Scenario& scenario = Tiny()) {
@@ -92,4 +90,4 @@ TEST(VerifyDigests, ADigestThatDoesNotKnowOrderIsFound) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

@@ -12,10 +12,8 @@
 #include <xmmintrin.h>
 #endif
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 TEST(VerifiedScene, HasTwoCharactersThatDiffer) {
   const Scenario verified = MakeVerifiedScene(Tiny());
@@ -33,7 +31,7 @@ TEST(VerifiedScene, HasTwoCharactersThatDiffer) {
 TEST(VerifiedScene, IsOneThatCanBeMade) {
   Scenario heavy = Tiny();
   for (GroomLayer& layer : heavy.grooms[0].layers)
-    layer.params.weight = float(LayerParamRowOf(&LayerParams::weight).high);
+    layer.params.weight = float(LayerParamEntryOf(&LayerParams::weight).high);
   const Scenario verified = MakeVerifiedScene(heavy);
   for (const Groom& groom : verified.grooms) EXPECT_EQ(FindGroomFault(groom, "verified"), "");
   EXPECT_NE(verified.grooms[0].layers.back().params.weight,
@@ -79,4 +77,4 @@ TEST(VerifyFindings, TextAndJsonSayWhatKindItIs) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

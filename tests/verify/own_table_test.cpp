@@ -11,10 +11,8 @@
 #include "jobs/verify/verify_frames.hpp"
 #include "tests/jobs/synthetic_scene.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 enum class ToyFault { kNone, kStatic, kReadsNext, kWritesNext, kReadsOut, kOrder };
 ToyFault planted;
@@ -121,4 +119,4 @@ TEST(VerifyFrames, WhatDependsOnTheOrderIsLocated) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

@@ -34,6 +34,14 @@ struct HealthyKernel {
       if (ports[p].stream == stream) return static_cast<T*>(bindings[p].block);
     return nullptr;
   }
+  // Itself, with another block of a stream.
+  void RunWith(const void* params, const Binding* bindings, Stream stream, void* block) const {
+    Binding other[kMaxPorts];
+    std::copy_n(bindings, ports.size(), other);
+    for (size_t p = 0; p < ports.size(); ++p)
+      if (ports[p].stream == stream) other[p].block = block;
+    run(params, other);
+  }
   // Of a stream that is gathered: the record that is first in the item's list.
   template <class Record>
   const Record* FirstListed(const Binding* bindings, Stream stream) const {
@@ -114,6 +122,24 @@ inline VerifyReport RunSection(const char* section, uint32_t frames, Tamper tamp
   options.sections = {section};
   options.tamper = std::move(tamper);
   return Verify(Tiny(), options);
+}
+
+// Whether the section has a failed check of this kind and name where the kernel is planted.
+inline ::testing::AssertionResult Finds(const char* section, uint32_t frames, FindingKind kind,
+                                        std::string_view name, std::string_view stage,
+                                        Planted planted) {
+  const VerifyReport report = RunSection(section, frames, Planting(stage, planted));
+  const bool found = AnyFailed(ChecksOf(report, section), kind, name);
+  return ::testing::AssertionResult(found) << stage << ": " << DescribeReport(report);
+}
+
+// Two frames by this executor with a planted kernel: the fault shows.
+inline CaseResult RunPlanted(ExecutorKind executor, std::string_view stage, Planted planted) {
+  VerifyOptions options = OneExecutor(executor, 2);
+  options.tamper = Planting(stage, planted);
+  const CaseResult result = RunOne(options);
+  EXPECT_FALSE(result.passed);
+  return result;
 }
 
 }  // namespace pelt::testing

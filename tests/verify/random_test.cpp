@@ -5,11 +5,8 @@
 #include "bench/verify/random_course.hpp"
 #include "tests/verify/planting.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using testing::healthy;
-using testing::Planting;
 
 // What a scene is, and what input it gets in its first frames.
 std::string BytesOf(RandomScene& drawn) {
@@ -94,4 +91,4 @@ TEST(VerifyRandom, NamesSeedStageAndKeysOfWhatIsPlanted) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

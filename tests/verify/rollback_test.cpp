@@ -7,10 +7,8 @@
 #include "tests/jobs/tiny_scene.hpp"
 #include "tests/verify/planting.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
-
-using namespace testing;
 
 VerifyReport RunRollback(const Scenario& scenario, Tamper tamper = {}) {
   VerifyOptions options = NoCases(8);
@@ -26,7 +24,7 @@ TEST(VerifyRollback, AHealthySceneGoesBackUnderEveryExecutor) {
   const VerifyReport report = RunRollback(scenario);
   EXPECT_TRUE(report.Passed()) << DescribeReport(report);
   uint32_t executors = 0;
-  for (const ExecutorRow& row : ExecutorRows()) executors += row.IsAvailable();
+  for (const ExecutorEntry& entry : ExecutorEntries()) executors += entry.IsAvailable();
   const auto checks = ChecksOf(report, "rollback");
   EXPECT_EQ(checks.size(), 2 * executors);
   for (const CheckResult& c : checks) EXPECT_GT(c.seen, 20u) << c.name;
@@ -55,4 +53,4 @@ TEST(VerifyRollback, AKernelThatRemembersIsNamed) {
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

@@ -80,18 +80,19 @@ TEST(Verify, TinyIsTheSameEverywhere) {
 
 TEST(Verify, MatrixHasEveryExecutorPlanSortAndSet) {
   const std::vector<VerifyCase> cases = AllCases();
-  EXPECT_GE(ExecutorRows().size(), 7u);
+  EXPECT_GE(ExecutorEntries().size(), 7u);
   for (const Isa isa : kAllIsas)
-    for (const ExecutorRow& row : ExecutorRows()) {
+    for (const ExecutorEntry& entry : ExecutorEntries()) {
       // On 1, 2, 3, 7, 16 threads; in 3 orders. Each x fusion x vertex order x sort x three
       // settings, and once where threads round and flush otherwise.
-      const int64_t variants = row.HasWorkers() ? 5 : row.HasSeed() ? 3 : 1;
+      const int64_t variants = entry.HasWorkers() ? 5 : entry.HasSeed() ? 3 : 1;
       // Stage by stage: with each of the settings.
-      const int64_t expected = row.stages_alone ? 3 : variants * 8 * 3 + 1;
-      EXPECT_EQ(std::ranges::count_if(
-                    cases, [&](const VerifyCase& c) { return c.isa == isa && c.executor == row; }),
-                FindKernels(isa) && row.IsAvailable() ? expected : 0)
-          << row.name;
+      const int64_t expected = entry.stages_alone ? 3 : variants * 8 * 3 + 1;
+      EXPECT_EQ(
+          std::ranges::count_if(
+              cases, [&](const VerifyCase& c) { return c.isa == isa && c.executor == entry; }),
+          FindKernels(isa) && entry.IsAvailable() ? expected : 0)
+          << entry.name;
     }
 }
 

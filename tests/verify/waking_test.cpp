@@ -7,14 +7,17 @@
 
 #include "core/kernels/activate.hpp"
 #include "core/kernels/collect_changes.hpp"
+#include "tests/jobs/tiny_scene.hpp"
 #include "tests/verify/planting.hpp"
 
-namespace pelt {
+namespace pelt::testing {
 namespace {
 
-using namespace testing;
-
 VerifyReport RunWaking(Tamper tamper) { return RunSection("waking", 12, std::move(tamper)); }
+
+::testing::AssertionResult FindsWaking(const char* stage, Planted planted, const char* name) {
+  return Finds("waking", 12, FindingKind::kSleep, name, stage, planted);
+}
 
 // The plan's `activate` with one of its parameters switched off.
 uint32_t ActivateParams::*hidden_param;
@@ -59,11 +62,10 @@ TEST(VerifyWaking, HealthyScenePassesAndSomethingWakes) {
 // Only modal layers, and what swings in them has no end; or no layer at all.
 Scenario LooseTiny(bool any_layer) {
   Scenario loose = Tiny();
-  for (Groom& groom : loose.grooms)
-    for (GroomLayer& layer : groom.layers) {
-      layer.params.enabled &= any_layer && layer.params.solver == Solver::kModal;
-      layer.params.damping_ratio = layer.params.velocity_damping = 0.0f;
-    }
+  for (LayerParams* layer : LayersOf(loose)) {
+    layer->enabled &= any_layer && layer->solver == Solver::kModal;
+    layer->damping_ratio = layer->velocity_damping = 0.0f;
+  }
   return loose;
 }
 
@@ -84,31 +86,19 @@ TEST(VerifyWaking, ASceneThatDoesNotRestIsDampedAndOneWithoutSleepersIsMissed) {
 // What the chains at vertices do not see, their strands do not get, whichever input it is.
 TEST(VerifyWaking, FrameInputsHiddenFromSleepingPatchesAreFound) {
   hidden_param = &ActivateParams::frame_inputs_changed;
-  const VerifyReport report = RunWaking(Planting("activate_patch", ActivateWithout));
-  EXPECT_TRUE(AnyFailed(ChecksOf(report, "waking"), FindingKind::kSleep, ""))
-      << DescribeReport(report);
+  EXPECT_TRUE(FindsWaking("activate_patch", ActivateWithout, ""));
 }
 
 // Chains that still swing when nothing changes any more, and chunks that do not see it.
 void ActivateWithoutPatches(const void* params, const Binding* bindings) {
-  Binding hiding[kMaxPorts];
-  std::copy_n(bindings, healthy.ports.size(), hiding);
-  static const PatchListBlock kNone = [] {
-    PatchListBlock list;
-    std::fill(std::begin(list.patch), std::end(list.patch), ~0u);
-    return list;
-  }();
-  for (size_t p = 0; p < healthy.ports.size(); ++p)
-    if (healthy.ports[p].stream == StreamOf<&Streams::patch_list>)
-      hiding[p].block = const_cast<PatchListBlock*>(&kNone);
-  healthy.run(params, hiding);
+  PatchListBlock none;
+  std::fill(std::begin(none.patch), std::end(none.patch), ~0u);
+  healthy.RunWith(params, bindings, StreamOf<&Streams::patch_list>, &none);
 }
 
 TEST(VerifyWaking, PatchesThatWakeHiddenFromTheirChunksAreFound) {
-  const VerifyReport report = RunWaking(Planting("activate_followers", ActivateWithoutPatches));
   EXPECT_TRUE(
-      AnyFailed(ChecksOf(report, "waking"), FindingKind::kSleep, "wetness of character 0, a lot"))
-      << DescribeReport(report);
+      FindsWaking("activate_followers", ActivateWithoutPatches, "wetness of character 0, a lot"));
 }
 
 TEST(VerifyWaking, FrameInputsHiddenFromSleepersAreFound) {
@@ -124,22 +114,15 @@ TEST(VerifyWaking, FrameInputsHiddenFromSleepersAreFound) {
 
 TEST(VerifyWaking, ATurnedCameraHiddenFromSleepersIsFound) {
   hidden_param = &ActivateParams::view_changed;
-  for (const char* stage : {"activate", "activate_followers"}) {
-    const VerifyReport report = RunWaking(Planting(stage, ActivateWithout));
-    EXPECT_TRUE(AnyFailed(ChecksOf(report, "waking"), FindingKind::kSleep, "camera.eye[0]"))
-        << stage;
-  }
+  for (const char* stage : {"activate", "activate_followers"})
+    EXPECT_TRUE(FindsWaking(stage, ActivateWithout, "camera.eye[0]"));
 }
 
 // Weather and the modal solver's course tables reach a chunk through its layer's `changed`.
 void ActivateUnchangedLayers(const void* params, const Binding* bindings) {
-  Binding hiding[kMaxPorts];
-  std::copy_n(bindings, healthy.ports.size(), hiding);
   LayerBlock layer = *healthy.As<const LayerBlock>(bindings, StreamOf<&Streams::layers>);
   layer.changed = 0;
-  for (size_t p = 0; p < healthy.ports.size(); ++p)
-    if (healthy.ports[p].stream == StreamOf<&Streams::layers>) hiding[p].block = &layer;
-  healthy.run(params, hiding);
+  healthy.RunWith(params, bindings, StreamOf<&Streams::layers>, &layer);
 }
 
 TEST(VerifyWaking, ChangedLayersHiddenFromSleepersAreFound) {
@@ -148,25 +131,19 @@ TEST(VerifyWaking, ChangedLayersHiddenFromSleepersAreFound) {
   EXPECT_TRUE(AnyFailed(checks, FindingKind::kSleep, "wetness of character 0, a lot"));
   EXPECT_TRUE(AnyFailed(checks, FindingKind::kSleep, "dt_s, less than a float's ulp"))
       << "of the modal tables alone";
-  const VerifyReport of_patches = RunWaking(Planting("activate_patch", ActivateUnchangedLayers));
-  EXPECT_TRUE(AnyFailed(ChecksOf(of_patches, "waking"), FindingKind::kSleep,
-                        "wetness of character 0, a lot"));
+  EXPECT_TRUE(
+      FindsWaking("activate_patch", ActivateUnchangedLayers, "wetness of character 0, a lot"));
 }
 
 // Wind keeps no chunk awake: only its beginning and its end wake, which change the layer's flags.
 void ActivateWithoutWind(const void* params, const Binding* bindings) {
-  Binding hiding[kMaxPorts];
-  std::copy_n(bindings, healthy.ports.size(), hiding);
   LayerBlock layer = *healthy.As<const LayerBlock>(bindings, StreamOf<&Streams::layers>);
   layer.flags &= ~uint32_t(kLayerWind);
-  for (size_t p = 0; p < healthy.ports.size(); ++p)
-    if (healthy.ports[p].stream == StreamOf<&Streams::layers>) hiding[p].block = &layer;
-  healthy.run(params, hiding);
+  healthy.RunWith(params, bindings, StreamOf<&Streams::layers>, &layer);
 }
 
 TEST(VerifyWaking, WindThatBlewAlreadyAndChangesHiddenFromSleepersIsFound) {
-  const VerifyReport report = RunWaking(Planting("activate", ActivateWithoutWind));
-  EXPECT_TRUE(AnyFailed(ChecksOf(report, "waking"), FindingKind::kSleep, "wind that blew already"));
+  EXPECT_TRUE(FindsWaking("activate", ActivateWithoutWind, "wind that blew already"));
 }
 
 // Vertices are written again only when a key or a record changed.
@@ -177,8 +154,7 @@ void CollectWithoutTheEye(const void* params, const Binding* bindings) {
 }
 
 TEST(VerifyWaking, RibbonsThatDoNotTurnToAnEyeThatMovesAcrossAreFound) {
-  const VerifyReport report = RunWaking(Planting("collect_changes", CollectWithoutTheEye));
-  EXPECT_TRUE(AnyFailed(ChecksOf(report, "waking"), FindingKind::kSleep, "eye and target["));
+  EXPECT_TRUE(FindsWaking("collect_changes", CollectWithoutTheEye, "eye and target["));
 }
 
 // A joint that moves and does not say so.
@@ -191,8 +167,7 @@ void PaletteWithAStillJoint(const void* params, const Binding* bindings) {
 
 TEST(VerifyWaking, AJointThatNeverMovesIsFound) {
   still_joint = 7;
-  const VerifyReport report = RunWaking(Planting("joint_palette", PaletteWithAStillJoint));
-  EXPECT_TRUE(AnyFailed(ChecksOf(report, "waking"), FindingKind::kSleep, "joint 7"));
+  EXPECT_TRUE(FindsWaking("joint_palette", PaletteWithAStillJoint, "joint 7"));
 }
 
 // Joints that moved by less than a millionth did not move.
@@ -209,9 +184,8 @@ void PaletteWithThreshold(const void* params, const Binding* bindings) {
 }
 
 TEST(VerifyWaking, PosesThatChangeByLessThanAMillionthAreFound) {
-  const VerifyReport report = RunWaking(Planting("joint_palette", PaletteWithThreshold));
-  EXPECT_TRUE(AnyFailed(ChecksOf(report, "waking"), FindingKind::kSleep, "one ulp"));
+  EXPECT_TRUE(FindsWaking("joint_palette", PaletteWithThreshold, "one ulp"));
 }
 
 }  // namespace
-}  // namespace pelt
+}  // namespace pelt::testing

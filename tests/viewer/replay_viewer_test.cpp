@@ -1,5 +1,5 @@
-// A recording on the page: its digests are those that were recorded, wherever the user stands, and what is wrong with it
-// is reported.
+// A recording on the page: its digests are those that were recorded, wherever the user stands, and what is wrong with
+// it is reported.
 #include "bench/viewer/replay_viewer.hpp"
 
 #include <gtest/gtest.h>

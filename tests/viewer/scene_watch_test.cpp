@@ -3,13 +3,13 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "core/error.hpp"
 #include "core/file_bytes.hpp"
 #include "tests/groom/png.hpp"
 #include "tests/source_folder.hpp"
+#include "tests/test_folder.hpp"
 
 namespace pelt {
 namespace {
@@ -23,28 +23,19 @@ constexpr uint32_t kWatched = 2;
 class SceneWatchTest : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) /
-              ("pelt_scene_watch_" + std::to_string(reinterpret_cast<uintptr_t>(this)) + "_" +
-               testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::create_directories(folder_);
     fs::copy_file(test::SourceFolder() + "/tests/fuzz/corpus/gltf/builtin.glb", Path("my.glb"));
     Save("map.png", Map(200));
     Save("fur.toml", Setup("density = { value = 4000, map = 'map.png' }"));
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
-  std::string Path(const std::string& name) const { return (folder_ / name).string(); }
-  void Save(const std::string& name, const std::string& text) {
-    std::ofstream(folder_ / name, std::ios::binary) << text;
-  }
+  std::string Path(const std::string& name) const { return folder_ / name; }
+  void Save(const std::string& name, const std::string& text) { folder_.Save(name, text); }
   // As editors do that never leave half a file.
   void SaveByRename(const std::string& name, const std::string& text) {
     Save(name + ".new", text);
-    fs::rename(folder_ / (name + ".new"), folder_ / name);
+    fs::rename(Path(name + ".new"), Path(name));
   }
-  std::string Load(const std::string& name) const {
-    return std::string(AsText(ReadFileBytes("file", Path(name)).OrThrow()));
-  }
+  std::string Load(const std::string& name) const { return test::ReadText(Path(name)); }
   static std::string Map(uint8_t grey) {
     const auto png = test::MakePng(2, 1, 1, {grey, grey});
     return {png.begin(), png.end()};
@@ -72,7 +63,7 @@ class SceneWatchTest : public testing::Test {
     return Json::parse(scene.ChangesSince(since));
   }
 
-  fs::path folder_;
+  const test::TestFolder folder_;
 };
 
 TEST_F(SceneWatchTest, KnowsEveryFileThatTheSetupAndTheModelLeadTo) {

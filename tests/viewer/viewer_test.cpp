@@ -35,15 +35,15 @@ TEST(Viewer, RunsTheScenesOwnFrames) {
 
 TEST(Viewer, SettingsOfThePictureChangeNoBit) {
   Viewer viewer({.scene = "tiny"});
-  for (const PageRow& row : PageRows())
-    if (row.group == "light") viewer.Set(row.key, row.low);
+  for (const PageEntry& entry : PageEntries())
+    if (entry.group == "light") viewer.Set(entry.key, entry.low);
   EXPECT_EQ(RunFor(viewer, kFrames), NativeDigest(kFrames));
 }
 
 TEST(Viewer, EverySettingCanBeSetToWhatItIs) {
   Viewer viewer({.scene = "tiny"});
   const Json described = Json::parse(viewer.Describe());
-  ASSERT_EQ(described["settings"].size(), PageRows().size());
+  ASSERT_EQ(described["settings"].size(), PageEntries().size());
   for (const Json& row : described["settings"]) {
     // The wind's direction is two numbers, which go through an angle.
     if (row["group"] == "wind") continue;
