@@ -23,10 +23,10 @@ base_of() {
     'compare '*) echo run.json run.json ;;
     'trace record '*) echo --scene tiny --frames 2 ;;
     'trace replay '*) echo tiny.peltinput ;;
-    'budget '*) echo --scene tiny --frames 2 --platform ps3 --no-advice --target-ms 1000 ;;
-    'fit '*) echo --scene tiny --frames 4 --warm-up 4 --platform xbox360 ;;
+    'budget '*) echo --setup ./one.toml --frames 2 --platform ps3 --no-advice --target-ms 1000 ;;
+    'fit '*) echo --setup ./one.toml --frames 4 --warm-up 4 --platform xbox360 ;;
     'calibrate '*) echo --scenes tiny --frames 2 ;;
-    'accuracy --json') echo --features --quick --links 3 ;;
+    'accuracy --json') echo --quick --presets soft ;;
     'stress '*) echo --quick --solvers modal --links 3 --rates 60 --isa reference ;;
     *) return 1 ;;
   esac
@@ -44,6 +44,7 @@ make_inputs() {
   "$pelt" bake --setup tiny --out tiny.groom >/dev/null || fail "bake"
   "$pelt" run --scene tiny --frames 6 --json 2>/dev/null | as_own >run.json || fail "run --json"
   cp "$source_dir/bench/scenarios/setups/tiny.toml" tiny.toml
+  printf '[[layer]]\nname = "a"\nsolver = "modal"\ndensity = 2000\nmax_strands = 100\n' >one.toml
 }
 
 no_debris() {
