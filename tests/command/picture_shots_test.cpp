@@ -189,7 +189,7 @@ TEST(Animation, HasAllPicturesInOrderWithTheirTimes) {
   std::vector<uint32_t> sequence, delay_ms;
   for (const auto& [type, body] : chunks) {
     types += type + ' ';
-    const auto big = [&](size_t at) {
+    const auto big = [&body = body](size_t at) {
       return uint32_t(body[at] << 24 | body[at + 1] << 16 | body[at + 2] << 8 | body[at + 3]);
     };
     if (type == "acTL") {
