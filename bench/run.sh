@@ -54,7 +54,7 @@ make() {
 pelt=$build/bench/pelt
 if [ "$what" = view ]; then
   echo "building the page of the monster in $build: 10 to 20 minutes on two cores, the first time"
-  make pelt -- -DPELT_FIRST=OFF -DPELT_ISAS= "${options[@]}"
+  make pelt -- -DPELT_FIRST= -DPELT_ISAS= "${options[@]}"
   "$pelt" view --scene monster --out "$build/monster.html"
   echo "open it in a browser: $(realpath "$build/monster.html")"
   exit 0
@@ -67,7 +67,7 @@ for flag in avx512vl:avx512 avx2:avx2 sse4_1:sse4; do
 done
 if [ ! -x "$pelt" ]; then
   echo "building the verdict in $build: 2 to 4 minutes on two cores, the first time"
-  make pelt_verdict -- -DPELT_FIRST=ON "-DPELT_ISAS=$isa" "${options[@]}"
+  make pelt_verdict -- -DPELT_FIRST=verdict "-DPELT_ISAS=$isa" "${options[@]}"
 else
   make pelt_verdict -- "${options[@]}"
 fi
@@ -94,7 +94,7 @@ END
 targets=(pelt)
 [ "$what" = all ] && targets+=(pelt_benchmarks)
 echo "building the pelt command$([ "$what" = all ] && echo " and the benchmarks"): 5 to 10 minutes on two cores, the first time"
-make "${targets[@]}" -- -DPELT_FIRST=OFF -DPELT_ISAS= "${options[@]}"
+make "${targets[@]}" -- -DPELT_FIRST= -DPELT_ISAS= "${options[@]}"
 
 # Exit code 2 is a verdict only where the report says so: it is that of every error, too.
 is_verdict() { [ "$1" -eq 1 ] || { [ "$1" -eq 2 ] && grep -q '^UNSURE: exit code 2' "$2"; }; }

@@ -202,9 +202,9 @@ struct KernelTraits {
 };
 
 template <class K>
-constexpr KernelDesc MakeKernelDesc() {
+constexpr KernelDesc MakeKernelDesc(decltype(KernelDesc::run) run = &KernelTraits<K>::Run) {
   return {K::kName, &TableOf<typename KernelTraits<K>::Table>, KernelTraits<K>::kDescs,
-          KernelTraits<K>::ParamsBytes(), &KernelTraits<K>::Run};
+          KernelTraits<K>::ParamsBytes(), run};
 }
 
 }  // namespace pelt

@@ -103,7 +103,7 @@ every=(-DPELT_ISAS= -DPELT_TEST_WIDE_KERNELS=OFF -DPELT_WASM=ON) left_out=(-LE r
 case $what in
 one)
   echo "== left to 'bash tests/run.sh all': the rooms' own tests, other instruction sets, sanitizers, other machines, packages"
-  build first g++ RelWithDebInfo pelt_first_tests "${narrow[@]:--DPELT_ISAS=}" -DPELT_ACCURACY=OFF -DPELT_PICTURES=OFF
+  build first g++ RelWithDebInfo pelt_first_tests "${narrow[@]:--DPELT_ISAS=}" -DPELT_ACCURACY=OFF -DPELT_PICTURES=OFF -DPELT_FIRST=tests
   check first -L first
   exit ;;
 all) echo "== left to 'bash tests/run.sh release': clang Release, g++ Debug, chunks of 64, other machines, more under sanitizers" ;;

@@ -39,6 +39,14 @@ int Print(std::string_view platform, double ms, Fit fit, const std::string& what
   return fit == Fit::kUnsure ? 2 : fit == Fit::kDoesNotFit;
 }
 
+// Its build has the solvers of one scene (core/kernels/frame_table.cpp).
+void ExpectBuilt(const Plan& plan) {
+  for (const Stage& stage : plan.stages)
+    if (!stage.kernel.run)
+      throw Error(fmt::format("{} is left out of this build; `pelt budget` has all kernels",
+                              stage.kernel.name));
+}
+
 int JudgeHost(Scenario& scenario) {
   RunOptions options;
   options.frames = kFrames;
@@ -46,6 +54,7 @@ int JudgeHost(Scenario& scenario) {
   options.digest = false;
   options.skip.lod = true;
   RunningScenario running(scenario, options.scene);
+  ExpectBuilt(running.scene().plan());
   const RunReport report = RunFrames(scenario, running, options);
   StageTimes stages;
   for (const StageBudget& stage : report.budget.stages)
@@ -63,6 +72,7 @@ int JudgeConsole(Scenario& scenario, Console console) {
   ConsoleRequest request{.console = console, .frames = kFrames, .warm_up = kWarmUp};
   request.skip.lod = true;
   ConsoleRun run(scenario, request);
+  ExpectBuilt(run.scene().plan());
   const ConsoleBudget budget = run.Run();
   if (budget.differs_at)
     throw Error(fmt::format("frame {} has another digest than the host's", *budget.differs_at));
