@@ -58,6 +58,8 @@ static_assert(offsetof(PeltStrandCurve, strand) == offsetof(pelt::StrandCurve, s
 
 static_assert(sizeof(PeltLook) == sizeof(pelt::LookRecord));
 static_assert(offsetof(PeltLook, amounts) == offsetof(pelt::LookRecord, amounts));
+static_assert(sizeof(PeltLayerLook) == sizeof(pelt::LayerLook));
+static_assert(offsetof(PeltLayerLook, scatter_depth) == offsetof(pelt::LayerLook, scatter_depth));
 static_assert(sizeof(PeltLayerLight) == sizeof(pelt::LayerLightBlock));
 static_assert(offsetof(PeltLayerLight, rim_rgb) == offsetof(pelt::LayerLightBlock, rim_rgb));
 
@@ -352,7 +354,8 @@ uint32_t pelt_draws(PeltScene* scene, PeltDraw* draws, uint32_t room) {
           .fur_shadow = from.shells.shadow,
           .wet_darken = from.wet_darken,
           .mud_colour = {},
-          .origin = {}};
+          .origin = {},
+          .look = reinterpret_cast<const PeltLayerLook*>(from.look)};
     Copy(from.low, to.low);
     Copy(from.high, to.high);
     Copy(from.mud_colour, to.mud_colour);

@@ -70,6 +70,7 @@ struct LayerDraw {
   // Of a painted layer, whose colours are left dry and clean: the share of its brightness that a
   // soaked strand keeps, and the sRGB colour that mud is mixed in with. Else 1, and 0.
   float wet_darken, mud_colour[3];
+  const LayerLook* look;  // how the layer takes light, as long as the scene lives
 
   const OutputEntry& format() const { return kOutputs[size_t(output)]; }
   // The vertices as what they are, CurveRecord, RibbonVertex, LineVertex or ShellVertex;

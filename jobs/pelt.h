@@ -308,6 +308,18 @@ typedef struct PeltLayerLight {
   float rim_direction[3], rim_rgb[3], rim_exponent;
 } PeltLayerLight;
 
+/* How a layer takes light: what its setup's [layer.look] says (jobs/DRAWING.md). */
+typedef struct PeltLayerLook {
+  float tint[3]; /* linear; multiplies both colours */
+  float specular, specular_exponent, specular_shift;
+  float second, second_exponent, second_shift;
+  float specular_noise;
+  float wrap;
+  float rim, rim_from;
+  float backlight, backlight_exponent;
+  float scatter, scatter_depth;
+} PeltLayerLook;
+
 /* One shell: an instance of the layer's triangles. */
 typedef struct PeltShell {
   float height;    /* h: vertices are at position + h groom + h^2 force */
@@ -344,6 +356,7 @@ typedef struct PeltDraw {
   float wet_darken, mud_colour[3];
   /* What all places of the draw are relative to, world, m: its character's origin. */
   double origin[3];
+  const PeltLayerLook* look; /* as long as the scene lives */
 } PeltDraw;
 
 /* The layers to draw, in drawing order. Writes at most `room` and returns how many there are: none

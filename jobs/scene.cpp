@@ -390,6 +390,7 @@ std::span<const LayerDraw> FurScene::Draws() const {
   for (LayerDraw& draw : draws_) {
     const std::array<double, 3> origin = OriginOfLayer(draw.layer);
     std::copy(origin.begin(), origin.end(), draw.origin);
+    draw.look = &Look(draw.layer);
     draw.pieces = CurvePieces(LongestOnScreenPx(draw.layer));
   }
   return draws_;

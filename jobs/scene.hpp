@@ -217,6 +217,9 @@ class FurScene {
     return layer_params_[layer].output == Output::kShells ? 0 : layer_strands_[layer];
   }
 
+  // How the layer takes light, as long as the scene lives; another groom's may be another.
+  const LayerLook& Look(uint32_t layer) const { return layer_params_[layer].look; }
+
   // What to draw of the last frame that was run, in drawing order: jobs/draws.hpp. Empty while a
   // frame is begun or runs. The list is the scene's, and good until the next call.
   std::span<const LayerDraw> Draws() const;

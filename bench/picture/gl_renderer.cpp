@@ -24,7 +24,7 @@ struct LookBlock140 {
   float pad[2];
 };
 static_assert(sizeof(LightSet) == 20 * sizeof(glm::vec3));
-static_assert(sizeof(HairLook) == 14 * sizeof(float));
+static_assert(sizeof(HairLook) == 18 * sizeof(float));
 
 LookBlock140 Look140(const PictureLook& look) {
   LookBlock140 block{.light = {}, .hair = look.hair, .pad = {}};

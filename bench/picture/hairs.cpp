@@ -121,6 +121,7 @@ HairEnd ShadeKnot(const Hair& hair, uint32_t k, const LightSet& light, const Hai
       .depth_light = depth_light,
       .sun_share = sun_share,
       .noise = StrandNoise(hair.number, t, kNoiseKnots)};
+  point.colour *= look.tint;
   HairLook painted = look;
   if (hair.paint != glm::vec4(0.0f)) {
     const glm::vec4 seen = SeenPaint(hair.paint, hair.normal, point.noise);

@@ -114,7 +114,8 @@ class ShellPainter {
     constexpr float kNoNoise = 0.5f;
     const HairPoint point{
         .colour = glm::mix(LinearColour(vertex.base_colour), LinearColour(vertex.tip_colour),
-                           shell.height),
+                           shell.height) *
+                  look_.hair.tint,
         .tangent = ShellDirection(VecOf(vertex.groom), VecOf(vertex.force), shell.height),
         .normal = corners_[i].normal,
         .to_eye = glm::normalize(projection_.eye() - at),

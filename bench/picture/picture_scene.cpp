@@ -150,7 +150,10 @@ void LightPicture(const FurScene& scene, PictureScene& shown) {
   shown.body_looks.clear();
   for (uint32_t a = 0; a < shown.bodies.size(); ++a) shown.body_looks.push_back(light.OnActor(a));
   shown.layer_looks.clear();
-  for (const LayerDraw& draw : shown.draws) shown.layer_looks.push_back(light.OnLayer(draw.layer));
+  for (const LayerDraw& draw : shown.draws) {
+    PictureLook& look = shown.layer_looks.emplace_back(light.OnLayer(draw.layer));
+    look.hair = HairLookOf(scene.Look(draw.layer), look.hair.rim_exponent);
+  }
 }
 
 std::span<std::vector<std::byte>> OwnVertices(PictureScene& scene) {

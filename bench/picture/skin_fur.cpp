@@ -68,11 +68,11 @@ void AddPaint(const FurScene& scene, uint32_t chunk, const std::vector<uint32_t>
   }
 }
 
-void AddColours(const StrandBlock& strands, const std::vector<uint32_t>& chunk_places,
-                std::vector<ColourSum>& sums) {
+void AddColours(const StrandBlock& strands, const glm::vec3& tint,
+                const std::vector<uint32_t>& chunk_places, std::vector<ColourSum>& sums) {
   for (uint32_t s = 0; s < strands.strand_count; ++s) {
-    const glm::vec3 colour = LinearColour(strands.base_colour[s]);
-    const glm::vec3 tip = LinearColour(strands.tip_colour[s]);
+    const glm::vec3 colour = tint * LinearColour(strands.base_colour[s]);
+    const glm::vec3 tip = tint * LinearColour(strands.tip_colour[s]);
     for (size_t k = 0; k < 3; ++k) {
       const float share = strands.bary[k][s];
       ColourSum& sum = sums[chunk_places[strands.vertex[k][s]]];
@@ -120,11 +120,13 @@ SkinFurFinder::SkinFurFinder(const FurScene& scene, uint32_t actor, const Mesh& 
     const bool shells = shape.layer_kind[l] & kLayerShells;
     Layer& layer = layers_.emplace_back(Layer{l, shells ? ShellDensity(scene, l) : 0.0f, {}, {}});
     layer.area.resize(finder_.size() + 1, 0.0f);
+    const LayerLook& look = scene.Look(l);
+    const glm::vec3 tint(look.tint[0], look.tint[1], look.tint[2]);
     for (uint32_t c = shape.layer_first_chunk[l]; c < shape.layer_first_chunk[l + 1]; ++c) {
       const StrandBlock& strands = *scene.memory().Of<&Streams::strands>(c);
       const std::vector<uint32_t>& places =
           layer.places.emplace_back(finder_.Places(scene.memory(), c));
-      AddColours(strands, places, sums);
+      AddColours(strands, tint, places, sums);
       MarkMaterials(strands, places, finder_, mesh, fur_);
       if (shells) continue;
       AddAreas(

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "bench/shading/shading.hpp"
+#include "core/groom/layer_look.hpp"
 
 namespace pelt {
 
@@ -19,20 +20,27 @@ inline LightSet DefaultLights() {
   return light;
 }
 
-inline constexpr HairLook kDefaultHair{.primary = 0.10f,
-                                       .primary_exponent = 90.0f,
-                                       .primary_shift = 0.1f,
-                                       .secondary = 0.55f,
-                                       .secondary_exponent = 28.0f,
-                                       .secondary_shift = 0.1f,
-                                       .noise = 0.7f,
-                                       .wrap = 0.4f,
-                                       .rim_exponent = 3.0f,
-                                       .rim_from = 0.8f,
-                                       .backlight = 0.35f,
-                                       .backlight_exponent = 6.0f,
-                                       .scatter = 0.6f,
-                                       .scatter_depth = 1.0f};
+// A layer's look under a light whose rim has this exponent.
+constexpr HairLook HairLookOf(const LayerLook& look, float rim_exponent) {
+  return {.tint = glm::vec3(look.tint[0], look.tint[1], look.tint[2]),
+          .primary = look.specular,
+          .primary_exponent = look.specular_exponent,
+          .primary_shift = look.specular_shift,
+          .secondary = look.second,
+          .secondary_exponent = look.second_exponent,
+          .secondary_shift = look.second_shift,
+          .noise = look.specular_noise,
+          .wrap = look.wrap,
+          .rim = look.rim,
+          .rim_exponent = rim_exponent,
+          .rim_from = look.rim_from,
+          .backlight = look.backlight,
+          .backlight_exponent = look.backlight_exponent,
+          .scatter = look.scatter,
+          .scatter_depth = look.scatter_depth};
+}
+inline constexpr float kDefaultRimExponent = 3.0f;
+inline constexpr HairLook kDefaultHair = HairLookOf({}, kDefaultRimExponent);
 // Paint of a layer that has none of its own colours: nothing is darkened.
 inline constexpr PaintLook kDefaultPaint{.wet_darken = 1.0f,
                                          .mud = {0.25f, 0.18f, 0.10f},

@@ -34,6 +34,13 @@ constexpr bool HasParam(uint32_t version, std::string_view key) {
   return version > 8 || key != "chain_share";
 }
 
+void ListFields(auto&& archive, Like<LayerLook> auto& look) {
+  archive("look_tint_red", look.tint[0]);
+  archive("look_tint_green", look.tint[1]);
+  archive("look_tint_blue", look.tint[2]);
+  for (const LayerLookEntry& entry : kLayerLookEntries) archive(entry.in_file, look.*entry.member);
+}
+
 // An archive of an older file says so: version().
 void ListFields(auto&& archive, Like<LayerParams> auto& params) {
   ForEachLayerParam([&](const auto& entry) {
@@ -46,6 +53,9 @@ void ListFields(auto&& archive, Like<LayerParams> auto& params) {
       archive(entry.key, value);
     }
   });
+  if constexpr (requires { archive.version(); })
+    if (archive.version() < 10) return;
+  ListFields(archive, params.look);
 }
 
 void ListFields(auto&& archive, Like<GroomLayer> auto& l) {

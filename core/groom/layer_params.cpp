@@ -88,6 +88,11 @@ std::string FindBadParam(const LayerParams& params) {
     if (text.empty() && !IsInside(params.*entry.member, entry.low, entry.high))
       text = Format("{} is not between {} and {}", entry.key, entry.low, entry.high);
   });
+  if (text.empty() && !IsInside(params.look.tint, 0, kMostTint))
+    text = Format("look.tint is not between 0 and {}", kMostTint);
+  for (const LayerLookEntry& entry : kLayerLookEntries)
+    if (text.empty() && !IsInside(params.look.*entry.member, entry.low, entry.high))
+      text = Format("look.{} is not between {} and {}", entry.key, entry.low, entry.high);
   if (!text.empty()) return text;
   const auto bad = FindBadCombination(params);
   return bad ? Format("{}: {}", bad->key, bad->reason) : std::string();

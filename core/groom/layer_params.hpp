@@ -19,6 +19,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "core/groom/layer_look.hpp"
 #include "core/layer.hpp"
 #include "core/modal/modal_quality.hpp"
 #include "core/outputs.hpp"
@@ -92,6 +93,7 @@ struct LayerParams {
   float fur_texture_repeat = 4.0f;  // along 0..1 of the skin's coordinates
   uint32_t fur_seed = 1;
   bool fins = false;
+  LayerLook look;  // its entries are those of layer_look.hpp
 };
 
 // How a parameter gets into the frame's LayerBlock; what takes more than that is worked out in
@@ -239,7 +241,7 @@ inline constexpr auto kEntries = std::tuple{
         "shells: edges of the skin that are seen from the side are drawn out along the fur"),
 };
 // clang-format on
-static_assert(std::tuple_size_v<decltype(kEntries)> == kMemberCount<LayerParams>,
+static_assert(std::tuple_size_v<decltype(kEntries)> + 1 == kMemberCount<LayerParams>,
               "a parameter without an entry is neither stored nor checked");
 
 }  // namespace layer_params_detail

@@ -37,15 +37,16 @@ inline std::string Show(const KeyInfo&, const std::string& value) {
 inline std::string Show(const KeyInfo&, const Attribute& value) {
   return Format("{}", value.value);
 }
+inline std::string Show(const KeyInfo&, const std::array<float, 3>& value) {
+  return Format("[{}, {}, {}]", value[0], value[1], value[2]);
+}
 inline std::string Show(const KeyInfo&, const glm::vec3& value) {
   return Format("[{}, {}, {}]", value.x, value.y, value.z);
 }
 inline std::string ShowColour(uint32_t value) {
   return Format("\"#{:02x}{:02x}{:02x}\"", value & 255, value >> 8 & 255, value >> 16 & 255);
 }
-inline std::string ShowColour(const std::array<float, 3>& value) {
-  return Format("[{}, {}, {}]", value[0], value[1], value[2]);
-}
+inline std::string ShowColour(const std::array<float, 3>& value) { return Show({}, value); }
 template <class Enum>
 requires std::is_enum_v<Enum> std::string Show(const KeyInfo& info, Enum value) {
   return Format("\"{}\"", info.words[size_t(value)]);
@@ -53,6 +54,7 @@ requires std::is_enum_v<Enum> std::string Show(const KeyInfo& info, Enum value) 
 inline std::string Show(const KeyInfo&, const MapChannel&) { return "none"; }
 inline std::string Show(const KeyInfo&, const std::shared_ptr<const ControlMap>&) { return "none"; }
 inline std::string Show(const KeyInfo&, const Mask&) { return "everywhere"; }
+inline std::string Show(const KeyInfo&, const LayerLook&) { return "as below"; }
 inline std::string Show(const KeyInfo&, const LightsSetup::Sun&) { return "dark"; }
 inline std::string Show(const KeyInfo&, const LightsSetup::Rim&) { return "dark"; }
 template <class T>

@@ -208,6 +208,10 @@ void SetupReader::Read(const KeyInfo& info, const toml::node& node, glm::vec3& v
   const toml::array& array = ExpectArray(info, node, 3, 3);
   for (int i = 0; i < 3; ++i) value[i] = float(ReadNumber(info, array[size_t(i)]));
 }
+void SetupReader::Read(const KeyInfo& info, const toml::node& node, std::array<float, 3>& value) {
+  const toml::array& array = ExpectArray(info, node, 3, 3);
+  for (size_t i = 0; i < 3; ++i) value[i] = float(ReadNumber(info, array[i]));
+}
 void SetupReader::Read(const KeyInfo& info, const toml::node& node, char& value) {
   value = info.words[ReadWord(info, node)][0];
 }

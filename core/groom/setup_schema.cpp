@@ -148,6 +148,7 @@ std::span<const KeyEntry<LayerSetup>> Schema() {
                 Map<&L::colour_map>("colour_map", "its r, g and b multiply both colours"),
                 Count<&L::film_strip_count>("film_strips", 1, 256,
                                             "textures in the strip; picked at random"),
+                Plain<kParams, &LayerParams::look>("look", "table", "how the layer takes light"),
             });
     // How it moves.
     AddKeys(keys, KeyGroup::kMotion,
@@ -262,6 +263,23 @@ std::span<const KeyEntry<CombVector>> Schema() {
   return kEntries;
 }
 
+template <>
+std::span<const KeyEntry<LayerLook>> Schema() {
+  static const std::vector<KeyEntry<LayerLook>> kKeys = [] {
+    std::vector<KeyEntry<LayerLook>> keys{Plain<&LayerLook::tint>(
+        "tint", "[r, g, b]", "linear; multiplies both colours", 0, kMostTint)};
+    [&]<size_t... kPlace>(std::index_sequence<kPlace...>) {
+      (keys.push_back(Number<kLayerLookEntries[kPlace].member>(
+           kLayerLookEntries[kPlace].key, "", kLayerLookEntries[kPlace].low,
+           kLayerLookEntries[kPlace].high, kLayerLookEntries[kPlace].text)),
+       ...);
+    }
+    (std::make_index_sequence<std::size(kLayerLookEntries)>());
+    return keys;
+  }();
+  return kKeys;
+}
+
 namespace {
 
 template <class T>
@@ -326,6 +344,7 @@ std::string DescribeSetupKeys() {
   Describe<Mask::Range>(out, "In mask.range");
   Describe<Mask::AwayFrom>(out, "In mask.away_from");
   Describe<CombVector>(out, "In comb = [{ ... }]");
+  Describe<LayerLook>(out, "In look, as [layer.look]");
   Describe<LightsSetup>(out, "In [lights]");
   Describe<LightsSetup::Light>(out, "In lights.light = [{ ... }], or [[lights.light]]");
   Describe<LightsSetup::Sample>(out, "In lights.sample");

@@ -84,6 +84,8 @@ std::span<const KeyEntry<Mask::AwayFrom>> Schema();
 template <>
 std::span<const KeyEntry<CombVector>> Schema();
 template <>
+std::span<const KeyEntry<LayerLook>> Schema();
+template <>
 std::span<const KeyEntry<LightsSetup>> Schema();
 template <>
 std::span<const KeyEntry<LightsSetup::Light>> Schema();
@@ -98,7 +100,7 @@ template <class T, class... Tables>
 concept OneOf = (std::is_same_v<T, Tables> || ...);
 template <class T>
 concept SetupTable =
-    OneOf<T, Mask, Mask::JointWeight, Mask::Box, Mask::Range, Mask::AwayFrom, CombVector,
+    OneOf<T, Mask, Mask::JointWeight, Mask::Box, Mask::Range, Mask::AwayFrom, CombVector, LayerLook,
           LightsSetup, LightsSetup::Light, LightsSetup::Sample, LightsSetup::Sun, LightsSetup::Rim>;
 
 // toml::parse that throws nothing but Error, with file and line.
@@ -131,6 +133,7 @@ class SetupReader {
   void Read(const KeyInfo&, const toml::node&, std::vector<uint32_t>&);  // colours
   void Read(const KeyInfo&, const toml::node&, glm::vec2&);              // low, high
   void Read(const KeyInfo&, const toml::node&, glm::vec3&);
+  void Read(const KeyInfo&, const toml::node&, std::array<float, 3>&);
   void Read(const KeyInfo&, const toml::node&, char&);  // a word of one letter
   void Read(const KeyInfo&, const toml::node&, int&);   // a word's place
   void Read(const KeyInfo&, const toml::node&, Attribute&);
@@ -220,6 +223,7 @@ class SetupReader {
   void Check(const KeyInfo&, const toml::node&, const Mask::JointWeight&);
   void Check(const KeyInfo&, const toml::node&, const Mask::Range&);
   void Check(const KeyInfo&, const toml::node&, const CombVector&);
+  void Check(const KeyInfo&, const toml::node&, const LayerLook&) {}
   void Check(const KeyInfo&, const toml::node&, const LightsSetup&) {}
   void Check(const KeyInfo&, const toml::node&, const LightsSetup::Light&) {}
   void Check(const KeyInfo&, const toml::node&, const LightsSetup::Sample&);

@@ -32,6 +32,8 @@ TEST_F(FurSetupErrors, MistypedKeysAreNamedWithASuggestion) {
        "8: layer 'head': unknown key 'mask.joints[1].lwo'; did you mean 'mask.joints[1].low'?"},
       {"comb = [{ position = [0,0,0], diretcion = [0,1,0] }]",
        "3: layer 'head': unknown key 'comb[0].diretcion'; did you mean 'comb[0].direction'?"},
+      {"look = { scater = 1 }",
+       "3: layer 'head': unknown key 'look.scater'; did you mean 'look.scatter'?"},
       {"quaternion = 1",
        "3: layer 'head': unknown key 'quaternion'; pelt bake --keys lists the known ones"},
   };

@@ -85,6 +85,10 @@ std::vector<KeyCase> ListKeyCases() {
          return l.params.dirt_colour[0] == 1.0f && l.params.dirt_colour[1] == 0.0f &&
                 Near(l.params.dirt_colour[2], 0.2f);
        }},
+      {"look", "{ rim = 2, tint = [1, 1, 0.5] }",
+       [](const LayerSetup& l) {
+         return l.params.look.rim == 2.0f && l.params.look.tint[2] == 0.5f;
+       }},
   };
 }
 
@@ -127,6 +131,21 @@ TEST_F(FurSetupTest, EveryNumberOfALayerLandsInItsMemberAlone) {
     }
   });
   EXPECT_GT(tried, 20u);
+}
+
+TEST_F(FurSetupTest, EveryValueOfALookLandsInItsMemberAlone) {
+  const auto read = [&](const std::string& line) {
+    return Read("[[layer]]\nname = 'x'\n[layer.look]\n" + line).layers.at(0).params.look;
+  };
+  EXPECT_EQ(read("tint = [0.5, 1, 2]").tint, (std::array<float, 3>{0.5f, 1.0f, 2.0f}));
+  for (const LayerLookEntry& entry : kLayerLookEntries) {
+    const double value = (entry.low + 3.0 * entry.high) / 4.0;
+    const LayerLook look = read(std::string(entry.key) + " = " + std::to_string(value));
+    EXPECT_EQ(look.*entry.member, float(value)) << entry.key;
+    for (const LayerLookEntry& other : kLayerLookEntries)
+      EXPECT_EQ(look.*other.member == LayerLook{}.*other.member, other.key != entry.key)
+          << entry.key << ", " << other.key;
+  }
 }
 
 TEST_F(FurSetupTest, EveryAttributeTakesItsTable) {
@@ -278,6 +297,7 @@ TEST_F(FurSetupTest, KeyListNamesEveryKey) {
   expect(Schema<Mask::Range>());
   expect(Schema<Mask::AwayFrom>());
   expect(Schema<CombVector>());
+  expect(Schema<LayerLook>());
   EXPECT_NE(text.find("default 0.03"), std::string::npos);
   EXPECT_NE(text.find("pbd | verlet | modal"), std::string::npos);
 }

@@ -199,19 +199,23 @@ TEST(GroomFile, HashIsFixed) {
   EXPECT_NE(HashGroomBytes(bytes), 0x6c41131627b0b96full);
 }
 
-// Files of before layers had a share of their chains: of all of them.
+// Files of before layers had a share of their chains, and a look: of all of them, and the default one.
 TEST(GroomFile, OlderFilesAreRead) {
   const std::string path = SourceFolder() + "/tests/fuzz/corpus/groom/version_8.groom";
   const auto older = ReadFileBytes("groom", path).OrThrow();
   ASSERT_EQ(LoadU32(older, 8), kOldestGroomVersion);
   Groom groom = ReadGroom(older, path).OrThrow();
   const auto now = WriteGroom(groom).OrThrow();
-  EXPECT_EQ(now.size(), older.size() + sizeof(float) * groom.layers.size());
+  EXPECT_EQ(now.size(), older.size() + (sizeof(float) + sizeof(LayerLook)) * groom.layers.size());
   for (const GroomLayer& layer : groom.layers) EXPECT_EQ(layer.params.chain_share, 1.0f);
   EXPECT_EQ(WriteGroom(ReadGroom(now, "now").OrThrow()).OrThrow(), now);
   groom.layers[0].params.chain_share = 0.25f;
+  groom.layers[0].params.look.tint[2] = 0.5f;
+  groom.layers[0].params.look.scatter_depth = 2.0f;
   const Groom back = ReadGroom(WriteGroom(groom).OrThrow(), "g.groom").OrThrow();
   EXPECT_EQ(back.layers[0].params.chain_share, 0.25f);
+  EXPECT_EQ(back.layers[0].params.look.tint[2], 0.5f);
+  EXPECT_EQ(back.layers[0].params.look.scatter_depth, 2.0f);
 }
 
 TEST(GroomFile, WrongFilesAreTold) {
@@ -222,10 +226,11 @@ TEST(GroomFile, WrongFilesAreTold) {
   bad[0] = std::byte{'X'};
   EXPECT_EQ(ErrorOf(bad), "groom 'g.groom': section 'header', byte 0: not a groom file");
   bad = good;
-  bad[8] = std::byte{10};
-  EXPECT_EQ(ErrorOf(bad),
-            "groom 'g.groom': section 'header', byte 8: version 10, this program reads 9; bake the "
-            "character again with `pelt bake`");
+  bad[8] = std::byte{11};
+  EXPECT_EQ(
+      ErrorOf(bad),
+      "groom 'g.groom': section 'header', byte 8: version 11, this program reads 10; bake the "
+      "character again with `pelt bake`");
   bad = good;
   bad[12] = std::byte{0};
   bad[13] = std::byte{2};

@@ -55,6 +55,12 @@ TEST(LayerParams, ValuesOnTheBoundsAreGoodAndBeyondAreNot) {
   params = {};
   params.dirt_colour[2] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(FindBadParam(params), "dirt_colour is not between 0 and 1");
+  params = {};
+  params.look.scatter = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(FindBadParam(params), "look.scatter is not between 0 and 1");
+  params.look = {};
+  params.look.tint[1] = -0.1f;
+  EXPECT_EQ(FindBadParam(params), "look.tint is not between 0 and 4");
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <random>
 #include <vector>
 
+#include "bench/shading/default_look.hpp"
 #include "bench/shading/gl_context.hpp"
 #include "bench/shading/shading.hpp"
 
@@ -51,8 +52,7 @@ LightSet LightOf(const Arguments& a) {
   ShAddZonal(Unit(a.d), ShDelta(), glm::vec3(a.u) * a.u.w, light.sky);
   return light;
 }
-constexpr HairLook kHairLook{0.1f, 90.0f, 0.1f, 0.55f, 28.0f, 0.1f, 0.7f,
-                             0.4f, 3.0f,  0.8f, 0.35f, 6.0f,  0.6f, 1.0f};
+constexpr HairLook kHairLook = HairLookOf({}, 3.0f);
 HairPoint PointOf(const Arguments& a) {
   const glm::vec3 normal = Unit(a.d), tangent = Unit(a.e);
   return {glm::vec3(a.u), tangent, normal, glm::normalize(normal + 0.7f * glm::vec3(a.v)),
@@ -94,7 +94,7 @@ constexpr const char* kLightText = R"(
   for (int i = 0; i < 16; ++i) light.sky[i] = vec3(0.0);
   ShAddZonal(e.xyz, ShHemisphere() * ShWindow(6.0), u.xyz, light.sky);
   ShAddZonal(d.xyz, ShDelta(), u.xyz * u.w, light.sky);
-  HairLook look = HairLook(0.1, 90.0, 0.1, 0.55, 28.0, 0.1, 0.7, 0.4, 3.0, 0.8, 0.35, 6.0, 0.6, 1.0);
+  HairLook look = HairLook(vec3(1.0), 0.1, 90.0, 0.1, 0.55, 28.0, 0.1, 0.7, 0.4, 1.0, 3.0, 0.8, 0.35, 6.0, 0.6, 1.0);
   HairPoint point = HairPoint(u.xyz, e.xyz, d.xyz, normalize(d.xyz + 0.7 * v.xyz), u.w, u.x, u.y);
   PaintLook paint = PaintLook(u.x, u.yzw, u.wxy, u.xyz);
   ReliefPoint p = ReliefPoint(u.xyz, abs(v.xyz), d.xyz, 0.4 * e.xyz, 0.3 * cross(d.xyz, e.xyz) + 0.1 * v.xyz, u.xy,

@@ -23,6 +23,7 @@ HairPoint SomePoint() {
 // A look and lights of one term alone.
 HairLook NoLook() {
   HairLook look{};
+  look.rim = 1.0f;
   look.primary_exponent = look.secondary_exponent = look.rim_exponent = look.backlight_exponent =
       1.0f;
   return look;

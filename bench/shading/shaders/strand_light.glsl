@@ -11,11 +11,12 @@ struct LightSet {
 
 // How a coat of hair takes light.
 struct HairLook {
+  vec3 tint;                                             // of the hair's own colour
   float primary, primary_exponent, primary_shift;        // in the light's colour, shifted to the root
   float secondary, secondary_exponent, secondary_shift;  // in the hair's, to the tip
   float noise;                                           // how far noise breaks the secondary one up, 0 to 1
   float wrap;                                            // of light round the body
-  float rim_exponent, rim_from;
+  float rim, rim_exponent, rim_from;                     // of the light behind: share, and where
   float backlight, backlight_exponent;
   float scatter, scatter_depth;  // share of light kept inside the coat, and how fast it takes on colour
 };
@@ -50,7 +51,8 @@ FN vec3 Highlights(HairLook look, HairPoint p, vec3 to_light) {
 
 // What the light behind adds at the outline, of hair or skin of this colour.
 FN vec3 OutlineLight(LightSet light, HairLook look, vec3 colour, vec3 normal, vec3 to_eye) {
-  float rim = Rim(normal, to_eye, look.rim_exponent) * RimFrom(normal, light.to_rim, look.rim_from);
+  float rim = look.rim * Rim(normal, to_eye, look.rim_exponent) *
+              RimFrom(normal, light.to_rim, look.rim_from);
   return light.rim * mix(colour, vec3(1.0f), 0.25f) * rim;
 }
 

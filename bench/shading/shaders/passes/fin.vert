@@ -41,6 +41,7 @@ void main() {
   vec3 at = ShellPosition(position, groom, force, height);
   point.colour = is_from ? mix(from_base_colour, from_tip_colour, height)
                          : mix(to_base_colour, to_tip_colour, height);
+  point.colour *= look.tint;
   point.tangent = ShellDirection(groom, force, height);
   point.normal = normal;
   point.to_eye = normalize(eye - at);

@@ -23,7 +23,7 @@ out vec4 shell_place;
 void main() {
   HairPoint point;
   vec3 at = ShellPosition(position, groom, force, shell.x);
-  point.colour = mix(base_colour, tip_colour, shell.x);
+  point.colour = mix(base_colour, tip_colour, shell.x) * look.tint;
   point.tangent = ShellDirection(groom, force, shell.x);
   point.normal = normal;
   point.to_eye = normalize(eye - at);

@@ -21,12 +21,13 @@ void main() {
   Knot knot = ReadKnot(strand.record, k);
   float depth_light = DepthShadow(knot.at, strand.root, strand.normal, strand.depth, depth_floor);
   HairLook hair = look;
+  knot.colour.rgb *= look.tint;
   float noise = StrandNoise(strand.number, along, kNoiseKnots);
   PaintHair(strand.paint, strand.normal, noise, knot.colour.rgb, hair);
   vec3 coat = CoatColour(hair, knot.colour.rgb, depth_light);
   sunlit = coat * light.sun * HairDiffuse(knot.tangent, light.to_sun);
   skylit = coat * light.sky[0] * (2.0 * 0.282094792);
-  float from = RimFrom(strand.normal, light.to_rim, look.rim_from);
+  float from = look.rim * RimFrom(strand.normal, light.to_rim, look.rim_from);
   rimlit = light.rim * mix(knot.colour.rgb, vec3(1.0), 0.25) * (from * depth_light);
   strip = strand.strip;
   gl_Position = CornerOf(knot, float(gl_VertexID % 2), along, coverage, on_card);

@@ -21,7 +21,7 @@ void main() {
   float along = float(k) / float(knots - 1);
   Knot knot = ReadKnot(strand.record, k);
   HairPoint point;
-  point.colour = knot.colour.rgb;
+  point.colour = knot.colour.rgb * look.tint;
   point.tangent = knot.tangent;
   point.normal = strand.normal;
   point.to_eye = normalize(eye - knot.at);
