@@ -112,8 +112,9 @@ LayerBlock FillLayerBlock(const LayerParams& params, const Weather& weather, flo
     for (int k = 0; k < 3; ++k) square += double(gravity[k]) * double(gravity[k]);
     b.modal.rest_gravity = float(double(params.weight) * std::sqrt(square));
   }
-  // Water closes a share of what is left to a full clump.
+  // Water closes a share of what is left to a full clump, and dirt one of what water leaves.
   b.clump = dry_clump + (1.0f - dry_clump) * Saturate(params.wet_clump) * wet;
+  b.clump += (1.0f - b.clump) * Saturate(params.dirt_clump) * Saturate(weather.dirt);
   b.scale = scale;
   b.length_max = scale == 1.0f ? length_max : scale * length_max;
   b.darken = Mix(1.0f, Saturate(params.wet_darken), wet);

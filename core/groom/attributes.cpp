@@ -164,7 +164,7 @@ double Evaluate(const LayerSetup& layer, const StrandAttribute& entry, const Pla
   const Attribute& attribute = layer.*entry.member;
   double value = attribute.value;
   if (attribute.map.map) {
-    value *= double(attribute.map.map->Sample(place.uv, attribute.map.channel, place.wrap));
+    value *= double(attribute.map.At(place.uv, place.wrap));
   }
   if (place.varies && attribute.randomise != 0.0f) {
     value *= 1.0 + double(attribute.randomise) *
@@ -337,13 +337,18 @@ GroomedStrand AttributeMaker::Groom(const ScatterPoint& point, uint32_t strand) 
       value(&LayerSetup::twist) * exact::kRadiansPerDegree, layer_.params.points);
 
   const double variation = value(&LayerSetup::colour_variation);
-  glm::vec3 tint(1.0f);
-  if (layer_.colour_map.map) {
-    for (int i = 0; i < 3; ++i) tint[i] = layer_.colour_map.map->Sample(uv, i, place.wrap);
-  }
-  tint *= float(1.0 + variation * RandomFor(layer_.seed, kBrightness, strand).Uniform(-1.0, 1.0));
-  groomed.base_colour = ScaleColour(ColourAt(point.place, layer_.base_colour, kRootShade), tint);
-  groomed.tip_colour = ScaleColour(ColourAt(point.place, layer_.tip_colour, 1.0f), tint);
+  const auto tinted = [&](uint32_t colour, const MapChannel& own) {
+    glm::vec3 tint(1.0f);
+    for (MapChannel map : {layer_.colour_map, own})
+      for (map.channel = 0; map.map && map.channel < 3; ++map.channel)
+        tint[map.channel] *= map.At(uv, place.wrap);
+    tint *= float(1.0 + variation * RandomFor(layer_.seed, kBrightness, strand).Uniform(-1.0, 1.0));
+    return ScaleColour(colour, tint);
+  };
+  groomed.base_colour =
+      tinted(ColourAt(point.place, layer_.base_colour, kRootShade), layer_.base_colour_map);
+  groomed.tip_colour =
+      tinted(ColourAt(point.place, layer_.tip_colour, 1.0f), layer_.tip_colour_map);
   const uint32_t strips = std::clamp(layer_.film_strip_count, 1u, 256u);
   groomed.film_strip = uint8_t(RandomFor(layer_.seed, kFilmStrip, strand).Below(strips));
   return groomed;

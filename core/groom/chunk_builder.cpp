@@ -160,7 +160,8 @@ uint32_t FindControl(const LayerBake& bake, const ChunkPart& chunk, uint32_t lan
 }
 
 uint32_t CountControls(const LayerSetup& layer, uint32_t strand_count) {
-  const bool clumps = layer.params.clump > 0.0f || layer.params.wet_clump > 0.0f;
+  const bool clumps =
+      layer.params.clump > 0.0f || layer.params.wet_clump > 0.0f || layer.params.dirt_clump > 0.0f;
   if (!clumps || layer.clump_controls == 0) return 0;
   const uint32_t wanted = RoundUpToLaneGroups(layer.clump_controls);
   return std::min(wanted, (strand_count - 1) / kLaneGroup * kLaneGroup);

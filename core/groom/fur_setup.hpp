@@ -31,10 +31,15 @@ struct ControlMap {
 ControlMap ReadControlMap(std::span<const uint8_t> png, const std::string& name);
 ControlMap ReadControlMapFile(const std::string& path);
 
-// One channel of a control map; no map means 1 everywhere.
+// One channel of a control map, and what its 0 and its 1 stand for; no map means 1 everywhere.
 struct MapChannel {
   std::shared_ptr<const ControlMap> map;
   int channel = 0;
+  float low = 0.0f, high = 1.0f;
+
+  float At(const glm::vec2& uv, const std::array<Wrap, 2>& wrap = {}) const {
+    return low + (high - low) * map->Sample(uv, channel, wrap);
+  }
 };
 
 // A value that varies: value * map, then * (1 + randomise * u), u uniform in [-1, 1] by strand;
@@ -113,9 +118,10 @@ struct LayerSetup {
   uint32_t clump_controls = 16;  // control strands per chunk (rounded up to 16)
   // 0xAABBGGRR. Alpha 0: the setup says none, and the surface's own colour is taken, if it has one.
   uint32_t base_colour = 0x00303850, tip_colour = 0x0090a0c0;
-  Attribute colour_variation;     // random brightness, share
-  MapChannel colour_map;          // rgb multiplies both colours
-  uint32_t film_strip_count = 1;  // index is picked at random below it
+  Attribute colour_variation;                  // random brightness, share
+  MapChannel colour_map;                       // rgb multiplies both colours
+  MapChannel base_colour_map, tip_colour_map;  // rgb multiplies one of them
+  uint32_t film_strip_count = 1;               // index is picked at random below it
 };
 
 // An attribute that every strand (or mesh vertex) has a value of: its key, and where the value

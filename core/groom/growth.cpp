@@ -58,6 +58,7 @@ Growth::Growth(const Character& character, const RestGeometry& rest, const FurSe
     surface_ = surface ? std::move(surface) : std::make_shared<const SurfaceColour>(character);
   CheckColoursAreKnown(surface_.get(), mesh_, setup, layer);
   densest_ = layer.density * (1.0f + std::max(layer.density_randomise, -layer.density_randomise));
+  if (const MapChannel& map = layer.density_map; map.map) densest_ *= std::max(map.low, map.high);
   if (const auto& range = layer.density_range) densest_ = std::clamp(densest_, range->x, range->y);
   box_low_ = glm::vec3(0.0f);
   box_extent_ = glm::vec3(0.0f);
@@ -165,8 +166,7 @@ float Growth::JointShare(const SurfacePoint& point) const {
 }
 
 float Growth::SampleMap(const MapChannel& map, const SurfacePoint& point) const {
-  return map.map->Sample(Interpolate(mesh_.uv, mesh_, point), map.channel,
-                         WrapOn(mesh_, point.triangle));
+  return map.At(Interpolate(mesh_.uv, mesh_, point), WrapOn(mesh_, point.triangle));
 }
 
 bool Growth::HasMaskedColour(const SurfacePoint& point) const {
@@ -212,7 +212,7 @@ float Growth::Evaluate(Factor factor, const SurfacePoint& point) const {
       // Half a texel inside: maps repeat, and the top of a character is not its feet.
       const ControlMap& map = *mask.box->map.map;
       const glm::vec2 edge(0.5f / float(map.width), 0.5f / float(map.height));
-      return map.Sample(glm::clamp(uv, edge, 1.0f - edge), mask.box->map.channel);
+      return std::clamp(mask.box->map.At(glm::clamp(uv, edge, 1.0f - edge)), 0.0f, 1.0f);
     }
     case kRange: {
       if (!mask.range) return 1.0f;
@@ -227,10 +227,10 @@ float Growth::Evaluate(Factor factor, const SurfacePoint& point) const {
       return IsInMargin(Interpolate(rest_.position, mesh_, point)) ? 0.0f : 1.0f;
     case kStencil:
       if (!mask.uv.map) return 1.0f;
-      return SampleMap(mask.uv, point);
+      return std::clamp(SampleMap(mask.uv, point), 0.0f, 1.0f);
     case kBald:
       if (!mask.bald.map) return 1.0f;
-      return 1.0f - SampleMap(mask.bald, point);
+      return 1.0f - std::clamp(SampleMap(mask.bald, point), 0.0f, 1.0f);
     case kHoles:
       return surface_ && surface_->IsHole(point) ? 0.0f : 1.0f;
     case kColours:

@@ -79,6 +79,7 @@ struct LayerParams {
   // the share of the way from `clump` to 1, and the shares of hardness and brightness that are
   // left.
   float wet_weight = 1.5f, wet_clump = 0.6f, wet_hardness = 0.5f, wet_darken = 0.45f;
+  float dirt_clump = 0.0f;  // dirty: as wet_clump, of what water leaves
   std::array<float, 3> dirt_colour{0.25f, 0.18f, 0.10f};  // sRGB, 0..1
   bool lit = false;      // the frame says what light reaches the layer
   bool painted = false;  // brushes put mud, snow, water and dust on strands; lit layers alone
@@ -213,6 +214,8 @@ inline constexpr auto kEntries = std::tuple{
         "soaked: share of the hardness that is left"),
     Entry(&P::wet_darken, kWeather, "wet_darken", "", 0, 1,
         "soaked: share of the brightness that is left"),
+    Entry(&P::dirt_clump, kWeather, "dirt_clump", "", 0, 1,
+        "dirty: share of the way from the clump, wet or dry, to 1"),
     LayerParamEntry<std::array<float, 3>>{.member = &P::dirt_colour, .key = "dirt_colour",
         .unit = "", .low = 0, .high = 1, .text = "mixed into the colours when dirty",
         .group = kWeather, .in_file = kDirtFields},

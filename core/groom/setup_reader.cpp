@@ -224,9 +224,9 @@ void SetupReader::Read(const KeyInfo& info, const toml::node& node, Attribute& v
   if (!node.is_table()) FailType(info, node, "a number or a table { value = ... }");
   const toml::table& table = *node.as_table();
   ReadTable(info, table, value);
-  if (table.contains("channel") && !table.contains("map")) {
-    FailKey(LineOf(*table.get("channel")), std::string(info.key) + ".channel", "has no map");
-  }
+  for (const char* of_map : {"channel", "low", "high"})
+    if (table.contains(of_map) && !table.contains("map"))
+      FailKey(LineOf(*table.get(of_map)), std::string(info.key) + "." + of_map, "has no map");
 }
 
 void SetupReader::Read(const KeyInfo& info, const toml::node& node, MapChannel& value) {

@@ -27,6 +27,7 @@ using setup_entries::Switch;
 using setup_entries::Text;
 
 constexpr std::string_view kAxisWords[] = {"x", "y", "z"};
+constexpr double kMapLimit = 100.0;
 constexpr double kStrandLimit = 8388608.0;  // a strand's index in its layer has 24 bits
 
 using L = LayerSetup;
@@ -146,6 +147,8 @@ std::span<const KeyEntry<LayerSetup>> Schema() {
                 Colour<&L::tip_colour>("tip_colour",
                                        "at the tip; if not said, the mesh's own at the root"),
                 Map<&L::colour_map>("colour_map", "its r, g and b multiply both colours"),
+                Map<&L::base_colour_map>("base_colour_map", "likewise, of the colour at the root"),
+                Map<&L::tip_colour_map>("tip_colour_map", "likewise, of the colour at the tip"),
                 Count<&L::film_strip_count>("film_strips", 1, 256,
                                             "textures in the strip; picked at random"),
                 Plain<kParams, &LayerParams::look>("look", "table", "how the layer takes light"),
@@ -172,6 +175,10 @@ std::span<const KeyEntry<Attribute>> Schema() {
       AsOuter(Plain<&A::range>("range", "[low, high]", "the result is kept inside")),
       Plain<&A::map, &MapChannel::map>("map", "path", "PNG that scales the value; needs UVs"),
       ChannelOf<&A::map, &MapChannel::channel>("of the map"),
+      Number<&A::map, &MapChannel::low>("low", "", -kMapLimit, kMapLimit,
+                                        "factor where the map is 0"),
+      Number<&A::map, &MapChannel::high>("high", "", -kMapLimit, kMapLimit,
+                                         "factor where the map is 1 (255)"),
   };
   return kEntries;
 }
@@ -181,6 +188,8 @@ std::span<const KeyEntry<MapChannel>> Schema() {
   static const KeyEntry<MapChannel> kEntries[] = {
       Required(Plain<&MapChannel::map>("map", "path", "PNG, from the setup's folder")),
       ChannelOf<&MapChannel::channel>("of the map"),
+      Number<&MapChannel::low>("low", "", -kMapLimit, kMapLimit, "what its 0 stands for"),
+      Number<&MapChannel::high>("high", "", -kMapLimit, kMapLimit, "what its 1 (255) stands for"),
   };
   return kEntries;
 }

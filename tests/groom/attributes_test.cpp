@@ -115,6 +115,24 @@ TEST(Attributes, RangeClampsAndMapsScale) {
   }
 }
 
+// Red is twice the value, black none, where a setup says so.
+TEST(Attributes, AMapsEndsStandForWhatTheSetupSays) {
+  Fixture f;
+  f.layer.length = Attribute(0.05f);
+  f.layer.length.map = MakeMap([](float u, float) { return u < 0.5f ? 0.0f : 1.0f; });
+  f.layer.length.map.low = 0.5f;
+  f.layer.length.map.high = 2.0f;
+  for (const GroomedStrand& s : f.Groom()) {
+    const glm::vec2 uv = Interpolate(f.character.mesh.uv, f.character.mesh, s.place);
+    if (uv.x > 0.02f && uv.x < 0.48f) {
+      EXPECT_NEAR(s.length, 0.025f, 1e-6f);
+    }
+    if (uv.x > 0.52f && uv.x < 0.98f) {
+      EXPECT_NEAR(s.length, 0.1f, 1e-6f);
+    }
+  }
+}
+
 TEST(Attributes, ChangingOneMovesNoOther) {
   Fixture f;
   f.layer.length = Varying(0.05f, 0.5f);
@@ -192,7 +210,19 @@ TEST(Attributes, ColoursFollowMapAndVariationAndKeepTheirAlpha) {
     EXPECT_NEAR(double(s.base_colour >> 8 & 255), 50.0, 1.0);
     EXPECT_NEAR(double(s.base_colour >> 16 & 255), 128.0, 1.0);
   }
-  f.layer.colour_map = {};
+  // Each end has a map of its own besides.
+  f.layer.tip_colour_map = MakeMap([](float, float) { return 0.5f; });
+  for (const GroomedStrand& s : f.Groom()) {
+    EXPECT_NEAR(double(s.base_colour & 255), 25.0, 1.0);
+    EXPECT_NEAR(double(s.tip_colour & 255), 50.0, 1.0);
+  }
+  f.layer.base_colour_map = f.layer.tip_colour_map;
+  f.layer.tip_colour_map = {};
+  for (const GroomedStrand& s : f.Groom()) {
+    EXPECT_NEAR(double(s.base_colour & 255), 12.5, 1.0);
+    EXPECT_NEAR(double(s.tip_colour & 255), 100.0, 1.0);
+  }
+  f.layer.base_colour_map = f.layer.colour_map = {};
   f.layer.colour_variation = Attribute(0.25f);
   uint32_t least = 255, most = 0;
   for (const GroomedStrand& s : f.Groom()) {

@@ -47,11 +47,13 @@ std::vector<KeyCase> ListKeyCases() {
       {"fur_seed", "77", [](L l) { return l.params.fur_seed == 77; }},
       {"fins", "true\noutput = 'shells'", [](L l) { return l.params.fins; }},
       {"density",
-       "{ value = 5e4, randomise = 0.25, range = [1e4, 9e4], map = 'maps/m.png', channel = 'b' }",
+       "{ value = 5e4, randomise = 0.25, range = [1e4, 9e4], map = 'maps/m.png', channel = 'b', "
+       "high = 2 }",
        [](L l) {
          return l.density == 5e4f && l.density_randomise == 0.25f &&
                 *l.density_range == glm::vec2(1e4f, 9e4f) && l.density_map.map &&
-                l.density_map.channel == 2;
+                l.density_map.channel == 2 && l.density_map.low == 0.0f &&
+                l.density_map.high == 2.0f;
        }},
       {"max_strands", "777", [](L l) { return l.max_strands == 777; }},
       {"mask", "{ materials = ['a', 'b'] }",
@@ -71,6 +73,9 @@ std::vector<KeyCase> ListKeyCases() {
       {"colour_variation", "0.3", [](L l) { return Near(l.colour_variation.value, 0.3f); }},
       {"colour_map", "'maps/m.png'",
        [](L l) { return l.colour_map.map && l.colour_map.channel == 0; }},
+      {"base_colour_map", "{ map = 'maps/m.png', low = 0.5 }",
+       [](L l) { return l.base_colour_map.map && l.base_colour_map.low == 0.5f; }},
+      {"tip_colour_map", "'maps/m.png'", [](L l) { return l.tip_colour_map.map != nullptr; }},
       {"film_strips", "7", [](L l) { return l.film_strip_count == 7; }},
       {"quality", "'best'", [](L l) { return l.params.quality == ModalQuality::kBest; }},
       {"curl_follows", "'root'", [](L l) { return l.params.curl_follows == CurlFollows::kRoot; }},
@@ -157,11 +162,12 @@ TEST_F(FurSetupTest, EveryAttributeTakesItsTable) {
     half << (entry.info.low + entry.info.high) / 2;
     const auto setup = Read("[[layer]]\nname = 'x'\n" + key + " = { value = " + half.str() +
                             ", randomise = 0.5, " + "range = [" + half.str() + ", " + half.str() +
-                            "], map = 'maps/m.png', channel = 'g' }");
+                            "], map = 'maps/m.png', channel = 'g', low = 0.25, high = 3 }");
     const LayerSetup& l = setup.layers[0];
     for (const StrandAttribute& attribute : kStrandAttributes) {
       const Attribute& a = l.*attribute.member;
-      const bool changed = a.randomise == 0.5f && a.range && a.map.map && a.map.channel == 1;
+      const bool changed = a.randomise == 0.5f && a.range && a.map.map && a.map.channel == 1 &&
+                           a.map.low == 0.25f && a.map.high == 3.0f;
       EXPECT_EQ(changed, attribute.key == key) << key << ", " << attribute.key;
     }
     ++tried;

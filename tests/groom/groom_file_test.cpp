@@ -206,7 +206,8 @@ TEST(GroomFile, OlderFilesAreRead) {
   ASSERT_EQ(LoadU32(older, 8), kOldestGroomVersion);
   Groom groom = ReadGroom(older, path).OrThrow();
   const auto now = WriteGroom(groom).OrThrow();
-  EXPECT_EQ(now.size(), older.size() + (sizeof(float) + sizeof(LayerLook)) * groom.layers.size());
+  EXPECT_EQ(now.size(),
+            older.size() + (2 * sizeof(float) + sizeof(LayerLook)) * groom.layers.size());
   for (const GroomLayer& layer : groom.layers) EXPECT_EQ(layer.params.chain_share, 1.0f);
   EXPECT_EQ(WriteGroom(ReadGroom(now, "now").OrThrow()).OrThrow(), now);
   groom.layers[0].params.chain_share = 0.25f;

@@ -269,6 +269,9 @@ TEST(Scatter, MapsScaleTheDensity) {
   LayerSetup layer = torus.Layer(8000);
   layer.density_map = MakeMap([](float, float) { return 128.0f / 255.0f; }, 2);
   EXPECT_NEAR(double(torus.Scatter(layer).size()), 8000.0 * 128 / 255, 20.0);
+  layer.density_map.high = 2.0f;  // where the map is full there is twice the density
+  EXPECT_NEAR(double(torus.Scatter(layer).size()), 16000.0 * 128 / 255, 40.0);
+  layer.density_map.high = 1.0f;
   layer.mask.bald = MakeMap([](float u, float) { return u < 0.5f ? 1.0f : 0.0f; });
   const auto points = torus.Scatter(layer);
   EXPECT_NEAR(double(points.size()), 4000.0 * 128 / 255, 60.0);

@@ -97,6 +97,18 @@ TEST(LayerBlock, WetIsHeavierClumpedSofterDarker) {
   EXPECT_EQ(Fill(params, {7.0f, 0.0f}).darken, wet.darken);
 }
 
+TEST(LayerBlock, DirtClosesAShareOfWhatWaterLeaves) {
+  LayerParams params;
+  params.clump = 0.2f;
+  params.wet_clump = params.dirt_clump = 0.5f;
+  EXPECT_FLOAT_EQ(Fill(params, {0.0f, 1.0f}).clump, 0.6f);
+  EXPECT_FLOAT_EQ(Fill(params, {1.0f, 0.0f}).clump, 0.6f);
+  EXPECT_FLOAT_EQ(Fill(params, {1.0f, 1.0f}).clump, 0.8f);
+  EXPECT_FLOAT_EQ(Fill(params, {1.0f, 0.5f}).clump, 0.7f);
+  params.dirt_clump = 0.0f;
+  EXPECT_EQ(Fill(params, {0.3f, 1.0f}).clump, Fill(params, {0.3f, 0.0f}).clump);
+}
+
 // Far from one half, where what is lost and what is left look alike.
 TEST(LayerBlock, WetSharesAreWhatIsLeft) {
   LayerParams params;
