@@ -105,6 +105,20 @@ std::shared_ptr<const SurfaceColour> DecodeImages(const Character& character, co
   return surface;
 }
 
+// Maps are as fine as their texels on the skin, and a brush of one width in UV paints spots of that many.
+void NoteUvScale(const Character& character, const RestGeometry& rest, const FurSetup& setup,
+                 std::vector<std::string>& notes) {
+  constexpr double kNoted = 4.0;
+  const auto has_map = [](const LayerSetup& layer) { return !FindSurfaceMap(layer).empty(); };
+  if (!std::ranges::any_of(setup.layers, has_map)) return;
+  const auto scale = MeasureUvScale(character.mesh, rest);
+  if (!scale || scale->coarsest < kNoted * scale->finest) return;
+  notes.push_back(Format(
+      "Maps are {:.0f} times coarser on some skin than on other: 1 of UV is {:.3g} m long there, "
+      "and {:.3g} m where they are finest (5 % of the area beyond each).",
+      scale->coarsest / scale->finest, scale->coarsest, scale->finest));
+}
+
 }  // namespace
 
 bool LayerDensity::IsCutBald() const {
@@ -150,6 +164,7 @@ Groom BakeGroom(const Character& character, const RestGeometry& rest, const FurS
   const float metres_per_mesh_unit = MeasureMetresPerMeshUnit(character.mesh, rest, unit_scale);
   const std::vector<uint32_t> duplicates = FindSeamDuplicates(character.mesh);
   const auto surface = DecodeImages(character, setup, notes);
+  if (notes) NoteUvScale(character, rest, setup, *notes);
   const float count = float(setup.layers.size());
   for (size_t i = 0; i < setup.layers.size(); ++i) {
     if (progress && *progress) (*progress)(setup.layers[i].name, float(i) / count);

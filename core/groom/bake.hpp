@@ -37,8 +37,8 @@ struct LayerDensity {
 std::vector<std::string> WarnOfBaldness(std::span<const LayerDensity> layers);
 
 // `rest` is ComputeRestGeometry(character, unit_scale). `progress`, `stats`, `densities` and `notes` may be
-// null; stats cost about as much again as the bake; notes get a sentence for each image of the character that is needed
-// and cannot be read. Throws pelt::Error "path: layer 'x': key 'y':
+// null; stats cost about as much again as the bake; notes get a sentence for uneven UVs below maps, and for each image
+// of the character that is needed and cannot be read. Throws pelt::Error "path: layer 'x': key 'y':
 // reason" for what the setup asks of a character that lacks it (texture coordinates, joints,
 // materials) and for a layer that ends without a strand.
 Groom BakeGroom(const Character& character, const RestGeometry& rest, const FurSetup& setup,

@@ -101,6 +101,34 @@ Growth::Growth(const Character& character, const RestGeometry& rest, const FurSe
   }
 }
 
+std::optional<UvScale> MeasureUvScale(const Mesh& mesh, const RestGeometry& rest) {
+  struct Part {
+    double scale, area;
+  };
+  std::vector<Part> parts;
+  double whole = 0.0;
+  for (const auto& v : mesh.triangles) {
+    if (mesh.uv.empty()) break;
+    const glm::dvec3 a = rest.position[v[0]], b = rest.position[v[1]], c = rest.position[v[2]];
+    const glm::dvec2 s(mesh.uv[v[1]] - mesh.uv[v[0]]), t(mesh.uv[v[2]] - mesh.uv[v[0]]);
+    const double area = 0.5 * glm::length(glm::cross(b - a, c - a));
+    const double covered = 0.5 * std::abs(s.x * t.y - s.y * t.x);
+    if (!(area > 0.0 && covered > 0.0)) continue;
+    parts.push_back({std::sqrt(area / covered), area});
+    whole += area;
+  }
+  if (parts.empty()) return std::nullopt;
+  std::ranges::stable_sort(parts, {}, &Part::scale);
+  UvScale found{parts.front().scale, parts.back().scale};
+  double passed = 0.0;
+  for (const Part& part : parts) {
+    if (passed <= 0.05 * whole) found.finest = part.scale;
+    if (passed <= 0.95 * whole) found.coarsest = part.scale;
+    passed += part.area;
+  }
+  return found;
+}
+
 float Growth::JointLimit(uint32_t triangle) const {
   if (joint_weight_.empty()) return 1.0f;
   float limit = 0.0f;

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,13 @@ inline std::array<Wrap, 2> WrapOn(const Mesh& mesh, uint32_t triangle) {
   const uint16_t material = mesh.triangle_material[triangle];
   return material < mesh.looks.size() ? mesh.looks[material].wrap : std::array<Wrap, 2>{};
 }
+
+// How long a side of the UV square is on the skin, m, where maps are finest and where coarsest: 5 % of the area lies
+// beyond each. None without UVs that cover an area.
+struct UvScale {
+  double finest, coarsest;
+};
+std::optional<UvScale> MeasureUvScale(const Mesh& mesh, const RestGeometry& rest);
 
 class SurfaceColour;
 

@@ -4,11 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <bit>
+#include <cmath>
 #include <cstring>
 
 #include "core/character/builtin_character.hpp"
 #include "core/error.hpp"
 #include "core/groom/groom_file.hpp"
+#include "core/groom/growth.hpp"
 #include "core/random.hpp"
 #include "tests/groom/groom_validator.hpp"
 #include "tests/groom/torus_character.hpp"
@@ -81,6 +83,30 @@ Character MakeTinyTorus() { return MakeTorus({.around = 24, .across = 8}); }
 Groom BakeTiny(const FurSetup& setup = MakeTinySetup(),
                const Character& character = MakeTinyTorus()) {
   return BakeGroom(character, ComputeRestGeometry(character, 1.0f), setup, 1.0f);
+}
+
+// A torus whose tube is 0.63 m round and whose ring is 1.3 to 2.5 m, both 1 of UV.
+TEST(Bake, UnevenUvsBelowMapsAreNoted) {
+  const Character torus = MakeTorus();
+  const RestGeometry rest = ComputeRestGeometry(torus, 1.0f);
+  const auto scale = MeasureUvScale(torus.mesh, rest);
+  ASSERT_TRUE(scale);
+  EXPECT_NEAR(scale->finest, std::sqrt(0.63 * 1.3), 0.05);
+  EXPECT_NEAR(scale->coarsest, std::sqrt(0.63 * 2.5), 0.05);
+  const auto notes = [&](const Character& character) {
+    std::vector<std::string> said;
+    BakeGroom(character, rest, MakeTinySetup(), 1.0f, nullptr, nullptr, nullptr, &said);
+    return said;
+  };
+  EXPECT_TRUE(notes(torus).empty());
+  Character uneven = torus;
+  for (size_t v = 0; v < uneven.mesh.uv.size(); ++v)
+    if (uneven.mesh.position[v].z > 0.0f) uneven.mesh.uv[v] *= 0.1f;
+  const auto said = notes(uneven);
+  ASSERT_EQ(said.size(), 1u);
+  EXPECT_NE(said[0].find("Maps are "), std::string::npos) << said[0];
+  uneven.mesh.uv.clear();
+  EXPECT_FALSE(MeasureUvScale(uneven.mesh, rest));
 }
 
 TEST(Bake, IsValidAndAcceptedByTheGroomFile) {
