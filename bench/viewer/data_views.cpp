@@ -5,6 +5,7 @@
 #include <cstring>
 #include <numeric>
 
+#include "core/bind_pose.hpp"
 #include "core/random.hpp"
 #include "jobs/draws.hpp"
 
@@ -13,7 +14,7 @@ namespace {
 
 // m
 constexpr float kNormalLength = 0.025f, kNormalWidth = 0.003f, kChainWidth = 0.002f;
-constexpr float kStrandWidth = 0.001f;
+constexpr float kStrandWidth = 0.001f, kJointWidth = 0.01f;
 
 // ---- Colours, 0xAABBGGRR
 // ----------------------------------------------------------------------------------------------
@@ -287,8 +288,80 @@ void ShowStrands(const FurScene& scene, PictureScene& shown) {
   });
 }
 
+// ---- The skeleton
+// -----------------------------------------------------------------------------------------------
+
+glm::vec3 PlaceOfJoint(const SkeletonBlock& skeleton, const PaletteBlock& palette, uint32_t joint) {
+  double bound[3];
+  PlaceInMesh(skeleton, joint, {0.0f, 0.0f, 0.0f}, bound);
+  const float* m = palette.matrix[joint];
+  glm::vec3 at;
+  for (int c = 0; c < 3; ++c, m += 4)
+    at[c] = float(double(m[0]) * bound[0] + double(m[1]) * bound[1] + double(m[2]) * bound[2] +
+                  double(m[3]));
+  return at;
+}
+
+void ShowJoints(const FurScene& scene, PictureScene& shown) {
+  ShowLines(scene, shown, [&](uint32_t layer) {
+    std::vector<Polyline> lines;
+    const uint32_t character = scene.shape().layer_character[layer];
+    const auto& skeleton = *scene.memory().Of<&Streams::skeleton>(character);
+    const auto& palette = *scene.memory().Of<&Streams::palette>(character);
+    const auto& joints = *scene.memory().Of<&Streams::layer_joints>(layer);
+    for (uint32_t i = 0; i < joints.count; ++i) {
+      const uint32_t joint = joints.joint[i];
+      const glm::vec3 to = PlaceOfJoint(skeleton, palette, joint);
+      const int32_t parent = skeleton.parent[joint];
+      const glm::vec3 from = parent < 0 ? to - glm::vec3(0.0f, kJointWidth, 0.0f)
+                                        : PlaceOfJoint(skeleton, palette, uint32_t(parent));
+      Polyline line{{}, {0.0f, 1.0f, 0.0f}, ColourOfNumber(joint), kJointWidth};
+      for (uint32_t k = 0; k < kRibbonPoints; ++k)
+        line.point[k] = glm::mix(from, to, float(k) / float(kRibbonPoints - 1));
+      lines.push_back(line);
+    }
+    return lines;
+  });
+}
+
+glm::vec3 VecOfColour(uint32_t colour) {
+  return glm::vec3(float(colour & 255u), float(colour >> 8 & 255u), float(colour >> 16 & 255u)) /
+         255.0f;
+}
+
+// Of a vertex of the mesh: its joints' colours by their weights.
+glm::vec3 ColourOfWeights(const MeshBlock& mesh, uint32_t vertex) {
+  const uint32_t group = vertex / kLaneGroup;
+  glm::vec3 colour(0.0f);
+  for (uint32_t row = mesh.group_first_row[group]; row < mesh.group_first_row[group + 1]; ++row)
+    colour +=
+        mesh.weight[row][vertex % kLaneGroup] * VecOfColour(ColourOfNumber(mesh.row_joint[row]));
+  return colour;
+}
+
+void ShowWeights(const FurScene& scene, PictureScene& shown) {
+  ColourStrands(shown, [&](size_t i, uint32_t place) {
+    const LayerDraw& draw = shown.draws[i];
+    const uint32_t chunk = ChunkOf(scene, draw, place), s = draw.order[place] % kStrandsPerChunk;
+    const auto& strands = *scene.memory().Of<&Streams::strands>(chunk);
+    const auto& halo = *scene.memory().Of<&Streams::halo>(chunk);
+    glm::vec3 colour(0.0f);
+    for (int k = 0; k < 3; ++k) {
+      const uint32_t vertex = halo.vertex[strands.vertex[k][s]];
+      const uint32_t patch =
+          scene.shape().layer_first_patch[draw.layer] + vertex / kVerticesPerChunk;
+      colour += strands.bary[k][s] * ColourOfWeights(*scene.memory().Of<&Streams::mesh>(patch),
+                                                     vertex % kVerticesPerChunk);
+    }
+    return Rgb(colour.r, colour.g, colour.b);
+  });
+}
+
 constexpr DataView kViews[] = {
     {"fur", "What is drawn: strands far to near, lit.", nullptr},
+    {"joints", "The joints that move each layer's fur, each a line from its parent.", ShowJoints},
+    {"weights", "By which joints each strand is moved: their colours, mixed by the skin's weights.",
+     ShowWeights},
     {"skin",
      "Skinning: each chunk's own vertices of the mesh, with their normals. Only these are skinned, "
      "not the mesh.",
@@ -325,6 +398,7 @@ constexpr auto kNames = [] {
 
 }  // namespace
 
+uint32_t ColourOfJoint(uint32_t joint) { return ColourOfNumber(joint); }
 std::span<const DataView> DataViews() { return kViews; }
 std::span<const std::string_view> DataViewNames() { return kNames; }
 

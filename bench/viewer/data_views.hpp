@@ -16,6 +16,8 @@ struct DataView {
 };
 
 std::span<const DataView> DataViews();
+// In which the views show a joint, 0xAABBGGRR.
+uint32_t ColourOfJoint(uint32_t joint);
 // By name, in the same order.
 std::span<const std::string_view> DataViewNames();
 

@@ -115,6 +115,13 @@ function showView(number) {
   const view = described.views[number];
   $('caption').hidden = number === 0;
   $('view').textContent = `${number} of ${described.views.length - 1}: ${view.name}. ${view.text}`;
+  // A recording has no names.
+  for (const joint of ['joints', 'weights'].includes(view.name) ? described.joints ?? [] : []) {
+    const name = document.createElement('span');
+    name.textContent = ` ${joint.name}`;
+    name.style.color = joint.colour;
+    $('view').append(name);
+  }
 }
 function turnPage(by) {
   const select = $('controls').querySelector('[data-key=show] select');

@@ -14,6 +14,8 @@ using PageJson = nlohmann::ordered_json;
 PageJson DescribeEntry(const PageEntry& entry, const PageSettings& settings);
 PageJson DescribeOrbit(const PageCamera& camera);
 PageJson DescribeViews();  // DataViews()
+// Of each joint its name and the colour that the views give it, "#rrggbb".
+PageJson DescribeJoints(std::span<const std::string> names);
 PageJson DescribePasses(const FurScene& scene);
 // Times and items of each stage, of the last frame that was profiled.
 PageJson DescribeStages(const FurScene& scene, const FrameRecording& times);

@@ -1,5 +1,7 @@
 #include "bench/viewer/page_view.hpp"
 
+#include <fmt/format.h>
+
 #include "bench/viewer/data_views.hpp"
 #include "bench/viewer/page_json.hpp"
 #include "core/exact_math.hpp"
@@ -52,6 +54,17 @@ PageJson DescribeViews() {
   for (const DataView& view : DataViews())
     views.push_back({{"name", view.name}, {"text", view.text}});
   return views;
+}
+
+PageJson DescribeJoints(std::span<const std::string> names) {
+  PageJson joints = PageJson::array();
+  for (uint32_t j = 0; j < names.size(); ++j) {
+    const uint32_t colour = ColourOfJoint(j);
+    joints.push_back({{"name", names[j]},
+                      {"colour", fmt::format("#{:02x}{:02x}{:02x}", colour & 255u,
+                                             colour >> 8 & 255u, colour >> 16 & 255u)}});
+  }
+  return joints;
 }
 
 PageJson DescribePasses(const FurScene& scene) {

@@ -302,6 +302,7 @@ std::string Viewer::Describe() const {
   json["settings"] = DescribeSettings(*settings_);
   json["channels"] = kPaintChannelNames;
   json["views"] = DescribeViews();
+  json["joints"] = DescribeJoints(scenario_->characters.front().skeleton.name);
   json["passes"] = DescribePasses(running_->scene());
   json["notes"] = scenario_->notes;
   return json.dump(-1, ' ', true, Json::error_handler_t::replace);

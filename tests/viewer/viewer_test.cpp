@@ -225,6 +225,24 @@ TEST(Viewer, TheFrameBeforeIsWhereItWas) {
   EXPECT_GT(held, before.size() / 2);
 }
 
+// A line ends where its joint is: the tip of the next joint's line begins there.
+TEST(Viewer, JointsAreWhereThePoseHasThem) {
+  Viewer viewer({.scene = "tiny"});
+  const auto& names = DataViewNames();
+  viewer.Set("show", double(std::ranges::find(names, "joints") - names.begin()));
+  RunFor(viewer, kFrames);
+  const PictureScene shown = viewer.Gather();
+  uint32_t met = 0;
+  for (const std::vector<Hair>& lines : shown.layers)
+    for (const Hair& line : lines)
+      met += std::ranges::any_of(
+          lines, [&](const Hair& other) { return other.root == line.knot[line.knots - 1].at; });
+  EXPECT_GT(met, 10u);
+  const Json described = Json::parse(viewer.Describe());
+  ASSERT_GT(described["joints"].size(), 10u);
+  EXPECT_EQ(described["joints"][0]["colour"].get<std::string>().size(), 7u);
+}
+
 TEST(Viewer, EveryViewShowsSomethingElseAndChangesNoBit) {
   Viewer viewer({.scene = "tiny"});
   std::set<std::string> seen;
