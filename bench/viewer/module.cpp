@@ -73,8 +73,9 @@ PELT_EXPORT(OpenRecording)
   return nullptr;
 }
 
-// Null, or why there is no picture.
+// Null, or why there is no picture. In place of the one before, whose objects went with their context or go with it.
 PELT_EXPORT(OpenRenderer)()->const char* {
+  ThePage().renderer.reset();
   Result<GlRenderer> opened = GlRenderer::Open();
   if (!opened) return Tell(opened.error());
   ThePage().renderer.emplace(*std::move(opened));

@@ -46,7 +46,7 @@ worker.onmessage = ({data}) => {
   if (data.described) show(data);
   if (data.setups) Object.assign(setups, data.setups);
   if (data.frame) showFrame(data);
-  if (data.fault) showFault(data.dead ? `${data.fault}\nReload the page.` : data.fault);
+  if (data.fault !== undefined) showFault(data.dead ? `${data.fault}\nReload the page.` : data.fault);
   if (data.opened) {
     document.body.dataset.opened = Math.round(performance.now());
     takeLink();

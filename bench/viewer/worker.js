@@ -64,6 +64,15 @@ const wasi = {
 // Null, or what is wrong with it.
 const openRecording = ({name, bytes: file}) => result(call('OpenRecording', name, file));
 
+// The canvas has its context again, without any of its objects.
+function takeContext() {
+  api = WebGl(gl, memory);
+  renderer = result(exported.OpenRenderer());
+  dirty = true;
+  postMessage({fault: renderer ?? ''});
+  draw();
+}
+
 async function start() {
   const env = {};
   gl = canvas?.getContext('webgl2', {antialias: false, alpha: true, premultipliedAlpha: true, preserveDrawingBuffer: true});
@@ -116,7 +125,7 @@ function pause() {
 const share = () => (playing && exported.HasInBetween() ? Math.min(due_s / dt_s, 1) : 1);
 
 function draw() {
-  if (!dirty) return;
+  if (!dirty || gl?.isContextLost()) return;
   dirty = false;
   if (renderer) return;
   const start_ms = performance.now();
@@ -190,6 +199,11 @@ const place = (x, y) => {
 const handlers = {
   open: async ({module, canvas: given, request: wanted, size: first}) => {
     canvas = given;
+    canvas?.addEventListener('webglcontextlost', (event) => {
+      event.preventDefault();  // or it does not come back
+      postMessage({fault: 'The graphics card was taken away; the picture comes back when it does.'});
+    });
+    canvas?.addEventListener('webglcontextrestored', () => enqueue(takeContext));
     request = wanted;
     size = first;
     kept = asOpened();
@@ -287,7 +301,7 @@ const handlers = {
   // Comes back when all that was said before is done, and drawn: to ask for errors is to wait for that.
   token: (token) => {
     draw();
-    if (gl?.getError()) throw new Error('WebGL reports an error');
+    if (gl?.getError() && !gl.isContextLost()) throw new Error('WebGL reports an error');
     postMessage({token});
   },
   size: (wanted) => {

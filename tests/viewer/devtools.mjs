@@ -51,6 +51,7 @@ export class Browser {
     const {targetId} = await this.send('Target.createTarget', {url: 'about:blank'});
     const {sessionId} = await this.send('Target.attachToTarget', {targetId, flatten: true});
     const page = new Page(this, sessionId);
+    await page.send('Target.setAutoAttach', {autoAttach: true, waitForDebuggerOnStart: false, flatten: true});
     this.#pages.set(sessionId, page);
     for (const domain of ['Runtime', 'Log', 'Page']) await page.send(`${domain}.enable`);
     await page.resize(width, height);
@@ -68,10 +69,14 @@ export class Browser {
 
 class Page {
   errors = [];
+  #worker;
   constructor(browser, session) {
     this.send = (method, params) => browser.send(method, params, session);
+    // In the scope of its worker's script.
+    this.evaluateInWorker = (expression) => browser.send('Runtime.evaluate', {expression, awaitPromise: true}, this.#worker);
   }
   take({method, params}) {
+    if (method === 'Target.attachedToTarget' && params.targetInfo.type === 'worker') this.#worker = params.sessionId;
     if (method === 'Runtime.exceptionThrown') this.errors.push(params.exceptionDetails.exception?.description ?? params.exceptionDetails.text);
     if (method === 'Log.entryAdded' && params.entry.level === 'error') this.errors.push(params.entry.text);
   }

@@ -173,6 +173,27 @@ const digest = (page) => textOf(page, 'digest');
 const fault = (page) => textOf(page, 'fault');
 
 // How many values of the picture, which is drawn in a turn of its own, have changed, as soon as `is(count)`; or at last.
+// A context that is lost comes back, and with it the same picture.
+async function lost() {
+  const page = await tests.open(tests.file('tiny.html'));
+  await step(page, 3);
+  const before = await pixels(page);
+  await page.evaluateInWorker("taken = gl.getExtension('WEBGL_lose_context'); taken.loseContext()");
+  await page.until("document.getElementById('fault').textContent.includes('taken away')", 'the page says that it is lost');
+  await step(page, 2);
+  await page.evaluateInWorker('taken.restoreContext()');
+  await page.until("document.getElementById('fault').textContent === ''", 'the page says that it is back');
+  await step(page, 1);
+  await frame(page, 6);
+  const after = await pixels(page);
+  const fresh = await tests.open(tests.file('tiny.html'));
+  await step(fresh, 6);
+  await frame(fresh, 6);
+  tests.check(differing(after, await pixels(fresh)) === 0, 'a context that came back draws what another draws');
+  tests.check(differing(before, after) > 0, 'and not what it drew before');
+  tests.check(await verdict(page) === 'same', 'frames went on');
+}
+
 async function changed(page, before, is) {
   for (const end = Date.now() + 10_000; ; await settled(page)) {
     const count = differing(before, await pixels(page), 4);
@@ -270,4 +291,4 @@ async function broken() {
   check(true, 'a truncated module is reported');
 }
 
-await tests.end([tiny, sliders, recording, monster, plain, consoles, broken]);
+await tests.end([tiny, lost, sliders, recording, monster, plain, consoles, broken]);
