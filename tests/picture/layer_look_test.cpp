@@ -17,32 +17,36 @@ Scenario WithLooks(Scenario scenario, const Change& change) {
 }
 
 template <class Change>
-glm::dvec3 MeanColour(const Change& change) {
+std::vector<uint8_t> PictureOf(const Change& change) {
   const Shown shown(WithLooks(TinyScenario(), change), VertexOrder::kSorted);
-  const std::vector<uint8_t> rgb = SoftwareRenderer().Draw(shown.scene(), kSmall);
+  return SoftwareRenderer().Draw(shown.scene(), kSmall);
+}
+
+glm::dvec3 MeanColour(const std::vector<uint8_t>& rgb) {
   glm::dvec3 sum(0.0);
   for (size_t i = 0; i < rgb.size(); ++i) sum[int(i % 3)] += rgb[i];
   return sum / (double(rgb.size()) / 3.0);
 }
 
 TEST(LayerLook, EachTermIsSeen) {
-  const auto as_it_is = [](LayerLook&, size_t) {};
-  const glm::dvec3 plain = MeanColour(as_it_is);
-  const glm::dvec3 tinted = MeanColour([](LayerLook& look, size_t) {
-    look.tint = {1, 0.3f, 0.1f};
-  });
-  EXPECT_LT(tinted.g, plain.g - 1.0);
-  EXPECT_LT(tinted.b, tinted.g);
-  EXPECT_NEAR(tinted.r, plain.r, 1.0);
-  // Each value moved to where it gives less light, or more.
+  const std::vector<uint8_t> plain = PictureOf([](LayerLook&, size_t) {});
+  const glm::dvec3 mean = MeanColour(plain);
+  const glm::dvec3 tinted = MeanColour(PictureOf([](LayerLook& look, size_t) {
+    look.tint = {1.0f, 0.3f, 0.1f};
+  }));
+  EXPECT_LT(tinted.g, mean.g - 0.5);
+  EXPECT_LT(tinted.b, mean.b - 0.5);
+  EXPECT_NEAR(tinted.r, mean.r, 0.5);
+  // Each value moved to the bound that is farther off.
   for (const LayerLookEntry& entry : kLayerLookEntries) {
-    const glm::dvec3 other = MeanColour([&](LayerLook& look, size_t) {
+    const std::vector<uint8_t> other = PictureOf([&](LayerLook& look, size_t) {
       float& value = look.*entry.member;
       value = value > 0.5f * float(entry.high) ? float(entry.low) : float(entry.high);
     });
-    const double moved = glm::length(other - plain);
-    std::printf("%-20s %.3f of 255\n", std::string(entry.key).c_str(), moved);
-    EXPECT_GT(moved, 0.001) << entry.key;
+    size_t changed = 0;
+    for (size_t i = 0; i < plain.size(); ++i) changed += plain[i] != other[i];
+    std::printf("%-20s %zu bytes are others\n", std::string(entry.key).c_str(), changed);
+    EXPECT_GT(changed, 200u) << entry.key;
   }
 }
 
@@ -75,8 +79,8 @@ TEST_F(GlPicture, LooksOfLayersAreThoseOfTheSoftware) {
     const double same = PsnrDb(renderer_->Draw(shown.scene(), kSmall), software),
                  fault = PsnrDb(renderer_->Draw(plain.scene(), kSmall), software);
     std::printf("looks: %.1f dB between OpenGL and software, %.1f with the default\n", same, fault);
-    EXPECT_GE(same, kTwinDb);
-    EXPECT_LT(fault, kTwinDb);
+    EXPECT_GE(same, kFurTwinDb);
+    EXPECT_LT(fault, kFurTwinDb);
   }
 }
 
