@@ -143,9 +143,11 @@ LayerBlock FillLayerBlock(const LayerParams& params, const Weather& weather, flo
   return b;
 }
 
-ShellLayerBlock FillShellLayer(const LayerParams& params) {
+ShellLayerBlock FillShellLayer(const LayerParams& params, float length_max) {
   ShellLayerBlock b{};
   b.most = params.shells;
+  if (params.shell_spacing > 0.0f && length_max < params.shell_spacing * float(params.shells))
+    b.most = std::max(1u, uint32_t(length_max / params.shell_spacing));
   b.shadow = params.fur_shadow;
   b.texture_repeat = params.fur_texture_repeat;
   b.cone = params.cone;

@@ -41,7 +41,7 @@ LayerBlock FillLayerBlock(const LayerParams& params, const Weather& weather, flo
                           double push_ratio = 0.0);
 
 // Of a layer with output = "shells".
-ShellLayerBlock FillShellLayer(const LayerParams& params);
+ShellLayerBlock FillShellLayer(const LayerParams& params, float length_max);
 
 // A joint that rests bent by less than this turns with the root regardless of the setup. By how much
 // of the secondary motion the two models differ (calibrated chains, dangly / soft / medium / stiff,

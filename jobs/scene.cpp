@@ -189,8 +189,8 @@ void FurScene::CopyLayer(GroomCopy& copy, const GroomLayer& layer, uint32_t inde
   for (uint32_t p = 0; p < layer.patch_count; ++p)
     layer_vertices_.back() += copy.groom.mesh[layer.first_patch + p].vertex_count;
   const bool shells = layer.params.output == Output::kShells;
-  const bool changed =
-      shells && Put(*memory_.Of<&Streams::shell_layers>(index), FillShellLayer(layer.params));
+  const bool changed = shells && Put(*memory_.Of<&Streams::shell_layers>(index),
+                                     FillShellLayer(layer.params, layer.length_max));
   const PatchIndex patches = IndexPatches(copy.groom, layer);
   for (uint32_t i = 0; i < layer.patch_count; ++i) {
     const uint32_t patch = shape().layer_first_patch[index] + i;

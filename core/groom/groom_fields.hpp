@@ -31,7 +31,8 @@ requires(kListedMembers<std::remove_const_t<B>> > 0) void ListFields(auto&& arch
 
 // Whether files of that version have a layer's parameter.
 constexpr bool HasParam(uint32_t version, std::string_view key) {
-  return version > 9 || (key != "dirt_clump" && (version > 8 || key != "chain_share"));
+  if (key == "dirt_clump" || key == "shell_spacing") return version > 9;
+  return version > 8 || key != "chain_share";
 }
 
 void ListFields(auto&& archive, Like<LayerLook> auto& look) {

@@ -85,6 +85,7 @@ struct LayerParams {
   bool painted = false;  // brushes put mud, snow, water and dust on strands; lit layers alone
   // Of shells (core/chunk.hpp); and the texture they are cut from (MakeFurTexture).
   uint32_t shells = kMaxShells;  // up close
+  float shell_spacing = 0.0f;    // m; 0: as many for any length
   ConeKind cone_kind = ConeKind::kExact;
   float cone = 0.2f;                // least cosine between force and normal; -1: no cone
   float fur_shadow = 0.3f;          // light left at the skin
@@ -225,6 +226,8 @@ inline constexpr auto kEntries = std::tuple{
         "lit: brushes and weather act on each strand's look"),
     Entry(&P::shells, kLook, "shells", "", 1, kMaxShells,
         "shells: how many up close; at d metres at most 40 / d"),
+    Entry(&P::shell_spacing, kLook, "shell_spacing", "m", 0, 1,
+        "shells: no nearer to each other than this, so that shorter fur has fewer; 0: any"),
     WordEntry(&P::cone_kind, kMotion, "cone_kind", kConeWords,
         "shells: how the force is kept in its cone; published: as in the original"),
     Entry(&P::cone, kMotion, "cone", "", -1, 1,

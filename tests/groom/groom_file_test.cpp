@@ -213,7 +213,7 @@ TEST(GroomFile, OlderFilesAreRead) {
   Groom groom = ReadGroom(older, path).OrThrow();
   const auto now = WriteGroom(groom).OrThrow();
   EXPECT_EQ(now.size(),
-            older.size() + (2 * sizeof(float) + sizeof(LayerLook)) * groom.layers.size());
+            older.size() + (3 * sizeof(float) + sizeof(LayerLook)) * groom.layers.size());
   for (const GroomLayer& layer : groom.layers) EXPECT_EQ(layer.params.chain_share, 1.0f);
   EXPECT_EQ(WriteGroom(ReadGroom(now, "now").OrThrow()).OrThrow(), now);
   groom.layers[0].params.chain_share = 0.25f;

@@ -97,6 +97,16 @@ TEST(LayerBlock, WetIsHeavierClumpedSofterDarker) {
   EXPECT_EQ(Fill(params, {7.0f, 0.0f}).darken, wet.darken);
 }
 
+TEST(LayerBlock, ShorterFurHasFewerShells) {
+  LayerParams params;
+  params.shells = 20;
+  EXPECT_EQ(FillShellLayer(params, 0.001f).most, 20u);
+  params.shell_spacing = 0.002f;
+  EXPECT_EQ(FillShellLayer(params, 0.2f).most, 20u);
+  EXPECT_EQ(FillShellLayer(params, 0.0201f).most, 10u);
+  EXPECT_EQ(FillShellLayer(params, 0.0005f).most, 1u);
+}
+
 TEST(LayerBlock, DirtClosesAShareOfWhatWaterLeaves) {
   LayerParams params;
   params.clump = 0.2f;
