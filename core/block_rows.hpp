@@ -231,6 +231,14 @@ template <>
 inline constexpr auto kBlockMembers<DownBlock> = std::tuple{
     PELT_MEMBER(DownBlock, down).Within(-1.01f, 1.01f)};
 template <>
+inline constexpr auto kBlockMembers<TraitBlock> = std::tuple{
+    PELT_MEMBER(TraitBlock, stiffness).Within(0.0f, 100.0f),
+    PELT_MEMBER(TraitBlock, drag).Within(-1.0e3f, 1.0e4f),
+    PELT_MEMBER(TraitBlock, clump).Within(0.0f, 10.0f),
+    PELT_MEMBER(TraitBlock, weight).Within(0.0f, 10.0f),
+    PELT_MEMBER(TraitBlock, bounce).Within(0.0f, 10.0f),
+    PELT_MEMBER(TraitBlock, least_cosine).Within(-2.0f, 1.0f)};
+template <>
 inline constexpr auto kBlockMembers<FinEdgeBlock> = std::tuple{PELT_MEMBER(FinEdgeBlock, owned)};
 template <>
 inline constexpr auto kBlockMembers<FinBlock> = std::tuple{PELT_MEMBER(FinBlock, fade)};

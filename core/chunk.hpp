@@ -219,6 +219,20 @@ PELT_BLOCK RestBlock {
 // way is down at each chain's root in the rest pose, in its root frame; unit.
 PELT_BLOCK DownBlock { float down[3][kStrandsPerChunk]; };
 
+// Of layers whose strands have traits: what a chain or strand has of its own. The modal solver takes clump, weight
+// and bounce.
+inline constexpr uint32_t kTraitLinks = 4;
+PELT_BLOCK TraitBlock {
+  float stiffness[kTraitLinks]
+                 [kStrandsPerChunk];  // factor on the hardness of each link's joint, root first
+  float drag[kStrandsPerChunk];       // more than the layer's, 1/s
+  float clump[kStrandsPerChunk];      // factor on the layer's, as are weight and bounce
+  float weight[kStrandsPerChunk];
+  float bounce[kStrandsPerChunk];
+  // Least cosine between a link and where the one above it would carry it from the groom; below -1: any.
+  float least_cosine[kStrandsPerChunk];
+};
+
 // ---- Patch and chunk, every frame ---------------------------------------------------------------
 
 enum ChunkFlag : uint32_t {

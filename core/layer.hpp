@@ -36,6 +36,7 @@ enum LayerFlag : uint32_t {
   kLayerSagFree = 1u << 20,     // modal, and has a DownBlock
   kLayerNinePoints = 1u << 21,  // 9 points per chain; only with kLayerModal, a chain per strand
   kLayerBlows = 1u << 22,       // wind blows and the layer responds, regardless of what is left out
+  kLayerTraits = 1u << 23,      // has a TraitBlock; never with kLayerShells
   kLayerApart = 1u << 24,       // has a LayerOriginBlock: its character has an origin of its own
   kLayerChainLevel = 3u << 25,  // the least of its LodBlock::chain_level
 };
@@ -44,10 +45,10 @@ inline constexpr uint32_t kLayerChainLevelShift = 25;
 inline constexpr uint32_t kLayerOutputFlags = kLayerRibbons | kLayerLines | kLayerShells;
 // The flags that are fixed when the scene is made are its kind: they decide which streams and
 // stages a layer has.
-inline constexpr uint32_t kLayerKindFlags = kLayerVertexChains | kLayerFivePoints |
-                                            kLayerNinePoints | kLayerVerlet | kLayerModal |
-                                            kLayerOutputFlags | kLayerLit | kLayerPainted |
-                                            kLayerFins | kLayerRates | kLayerSagFree | kLayerApart;
+inline constexpr uint32_t kLayerKindFlags =
+    kLayerVertexChains | kLayerFivePoints | kLayerNinePoints | kLayerVerlet | kLayerModal |
+    kLayerOutputFlags | kLayerLit | kLayerPainted | kLayerFins | kLayerRates | kLayerSagFree |
+    kLayerTraits | kLayerApart;
 // Of a kind besides its kLayerKindFlags: the layer's sort does not fit the local store.
 inline constexpr uint32_t kLayerSortInPieces = 1u << 31;
 

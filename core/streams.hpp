@@ -45,7 +45,8 @@ inline constexpr KindMask kInstanced{0, kLayerOutputFlags}, kRibboned{kLayerRibb
     kRatedVertices{kModal | kLayerRates | kLayerVertexChains, 0},
     kRatedStrands{kModal | kLayerRates, kLayerVertexChains},
     kHeldVertices{kModal | kLayerSagFree | kLayerVertexChains, 0},
-    kHeldStrands{kModal | kLayerSagFree, kLayerVertexChains};
+    kHeldStrands{kModal | kLayerSagFree, kLayerVertexChains}, kTraited{kLayerTraits, kShells},
+    kTraitedVertices{kLayerTraits | kLayerVertexChains, kShells};
 
 struct Streams {
   static constexpr uint32_t kChunkLanes = kStrandsPerChunk;
@@ -166,6 +167,9 @@ struct Streams {
   StreamRow<LoadBlock> vertex_loads{"vertex_loads", kPatch, kValue, kLiveVertices, kChains};
   // Of chains that a level leaves out: whom they follow.
   StreamRow<ChainParentBlock> chain_parents{"chain_parents", kPatch, kInput, kFollowing, kChains};
+  // Of layers whose strands have traits.
+  StreamRow<TraitBlock> vertex_traits{"vertex_traits", kPatch, kInput, kAll, kTraitedVertices};
+  StreamRow<TraitBlock> strand_traits{"strand_traits", kChunk, kInput, kAll, kTraited};
 };
 
 }  // namespace streams_detail
@@ -182,6 +186,7 @@ struct StrandChainStreams {
   static constexpr auto kWind = &Streams::wind;
   static constexpr auto kRates = &Streams::root_rates;
   static constexpr auto kDown = &Streams::strand_down;
+  static constexpr auto kTraits = &Streams::strand_traits;
   static constexpr auto kTable = &Streams::modal_tables;
 };
 template <>
@@ -190,6 +195,7 @@ struct ChainStreams<4, true> {
   static constexpr auto kWind = &Streams::vertex_wind;
   static constexpr auto kRates = &Streams::anchor_rates;
   static constexpr auto kDown = &Streams::vertex_down;
+  static constexpr auto kTraits = &Streams::vertex_traits;
   static constexpr auto kRest = &Streams::vertex_rest;
   static constexpr auto kRoots = &Streams::anchors;
   static constexpr auto kPosition = &Streams::vertex_points;

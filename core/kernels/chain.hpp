@@ -30,6 +30,7 @@
 
 #include "core/chunk.hpp"
 #include "core/kernels/collider.hpp"
+#include "core/kernels/traits.hpp"
 #include "core/kernels/unrolled.hpp"
 #include "core/layer.hpp"
 #include "core/simd.hpp"
@@ -104,10 +105,11 @@ PELT_INLINE void LoadGroom(const RestBlock<kPoints>& rest, const RootBlock& root
 }
 
 // Where the points go if nothing holds them: the old place, carried along with the root by the
-// layer's share, plus what is kept of the last frame's step, plus acceleration * dt^2 (`fall`).
+// layer's share, plus what is kept of the last frame's step, plus acceleration * dt^2 (`fall`). `keep`: of
+// the layer, or of each lane, as what is written `auto` below.
 template <class W, uint32_t kPoints>
 PELT_INLINE void Predict(const PointBlock<kPoints>& position, const PointBlock<kPoints>& previous,
-                         float keep, Vec3<W> fall, uint32_t lane, Group<W, kPoints - 1>& g) {
+                         auto keep, Vec3<W> fall, uint32_t lane, Group<W, kPoints - 1>& g) {
   const Vec3<W> shift = g.carried_motion + fall;
   for (uint32_t i = 0; i < kPoints - 1; ++i) {
     const Vec3<W> old = Load3<W>(position.position[i], lane);
@@ -183,7 +185,7 @@ struct Bounces {
   W ground_speed[kFree];
 
   template <uint32_t kPoints>
-  PELT_INLINE void Record(const PointBlock<kPoints>& position, float slow, bool has_surface,
+  PELT_INLINE void Record(const PointBlock<kPoints>& position, auto slow, bool has_surface,
                           uint32_t lane, const Group<W, kFree>& g, const Colliders<W>& colliders) {
     for (uint32_t i = 0; i < kFree; ++i) {
       const Vec3<W> start = Load3<W>(position.position[i], lane) + g.carried_motion - g.root;
@@ -202,7 +204,7 @@ struct Bounces {
   }
 
   // What to add to `previous` of point i so that the next frame's velocity leaves the plane.
-  PELT_INLINE Vec3<W> Kick(uint32_t i, Vec3<W> step, float bounce, const Group<W, kFree>& g,
+  PELT_INLINE Vec3<W> Kick(uint32_t i, Vec3<W> step, auto bounce, const Group<W, kFree>& g,
                            const Colliders<W>& colliders) const {
     const W none = W(0.0f);
     const W leave = surface_speed[i] - Dot(step - g.free_motion, g.normal);
@@ -224,10 +226,11 @@ PELT_INLINE typename W::Int Differences(Vec3<W> a, Vec3<W> b) {
 // Puts a group back: strength (of a point's distance from the groom, s (2 - s) is kept each frame),
 // lanes that start afresh, and lanes at rest, which keep their bits. Returns the lanes whose
 // position or previous changed. A group without special lanes takes the short way, which gives them
-// the same bits.
+// the same bits. `bounce`: of the layer; `returned`: the same, or of each lane.
 template <class W, uint32_t kPoints>
 PELT_INLINE typename W::Mask Finish(const RestBlock<kPoints>& rest, const SimulateParams& params,
-                                    float bounce, const Bounces<W, kPoints - 1>& bounces,
+                                    float bounce, auto returned,
+                                    const Bounces<W, kPoints - 1>& bounces,
                                     const Colliders<W>& colliders, typename W::Mask fresh,
                                     uint32_t lane, Group<W, kPoints - 1>& g,
                                     PointBlock<kPoints>& position, PointBlock<kPoints>& previous) {
@@ -251,7 +254,7 @@ PELT_INLINE typename W::Mask Finish(const RestBlock<kPoints>& rest, const Simula
   }
   if (bounce > 0.0f)
     for (uint32_t i = 0; i < kFree; ++i)
-      last[i] = last[i] + bounces.Kick(i, next[i] - last[i], bounce, g, colliders);
+      last[i] = last[i] + bounces.Kick(i, next[i] - last[i], returned, g, colliders);
 
   typename W::Mask changed = W(0.0f) < W(1.0f);
   typename W::Mask still = !changed;
@@ -319,8 +322,9 @@ PELT_INLINE PickedLanes<W> ControlsOf(const uint8_t (&control)[kStrandsPerChunk]
 
 // Share of the way to the control strand at free point i of kFree: 0 at the root, `clump` at the
 // tip.
-PELT_INLINE constexpr float ClumpShare(float clump, uint32_t i, uint32_t free_points) {
-  return clump * (float(i + 1) / float(free_points));
+template <class Clump>
+PELT_INLINE constexpr Clump ClumpShare(Clump clump, uint32_t i, uint32_t free_points) {
+  return clump * Clump(float(i + 1) / float(free_points));
 }
 
 }  // namespace chain

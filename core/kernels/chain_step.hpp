@@ -78,29 +78,33 @@ PELT_INLINE void RunChunk(const Ports& ports, const Range& range) {
   state.state_changed = changed ? 1 : 0;
 }
 
-// Solver<V, kPoints>::Iterate(layer, colliders, clump, clump_pull, group) moves the group's points.
-// `clump_pull` is the control strand's offset from the follower's root times the share of the
-// point; it is read only when `clump` is set.
+// Solver<V, kPoints>::Iterate(terms, colliders, clump, clump_pull, group) moves the group's points, by the
+// layer's terms or each lane's (traits.hpp). `clump_pull` is the control strand's offset from the follower's
+// root times the share of the point; it is read only when `clump` is set.
 template <class V, uint32_t kPoints, bool kVertexChains, class Solver>
 struct Step {
   static_assert(kPoints == 4 || kPoints == 5);
   static constexpr uint32_t kFree = kPoints - 1;
   using Ports = chain::Ports<kPoints, kVertexChains>;
 
-  PELT_INLINE static void Run(const SimulateParams& params, const Ports& ports) {
+  template <class Traits = traits::NoTraits>
+  PELT_INLINE static void Run(const SimulateParams& params, const Ports& ports,
+                              const Traits& traits = {}) {
     RunChunk<kVertexChains>(ports, [&](uint32_t begin, uint32_t end, uint32_t live, bool follows) {
       return RunRange<V>(begin, end, live, follows,
                          [&]<class W>(uint32_t lane, uint32_t alive, bool clumps) {
-                           return SolveGroup<W>(params, ports, lane, alive, clumps);
+                           return SolveGroup<W>(params, ports, traits, lane, alive, clumps);
                          });
     });
   }
 
  private:
-  template <class W>
+  template <class W, class Traits>
   PELT_INLINE static bool SolveGroup(const SimulateParams& params, const Ports& ports,
-                                     uint32_t lane, uint32_t live, bool follows) {
+                                     const Traits& traits, uint32_t lane, uint32_t live,
+                                     bool follows) {
     const LayerBlock& layer = *ports.layer;
+    const auto terms = traits.template Terms<W>(layer, lane);
     const ChunkStateBlock& state = *ports.state;
     const auto lanes = W::Int::Iota(int32_t(lane));
     const auto alive = lanes < typename W::Int(int32_t(live));
@@ -114,16 +118,16 @@ struct Step {
 
     ahead(Piece<1>());
     const float dt2 = params.dt * params.dt;
-    Vec3<W> fall = Splat3<W>(layer.gravity) * W(dt2);
+    Vec3<W> fall = Splat3<W>(layer.gravity) * W(terms.Weight(dt2));
     if (layer.flags & kLayerWind) fall = fall + Load3<W>(ports.wind->acceleration, lane) * W(dt2);
-    Predict<W, kPoints>(*ports.position, *ports.previous, layer.link.velocity_keep, fall, lane, g);
+    Predict<W, kPoints>(*ports.position, *ports.previous, terms.Keep(params.dt), fall, lane, g);
     ahead(Piece<2>());
     Colliders<W> colliders;
     LoadColliders(params, g, colliders);
     Bounces<W, kFree> bounces;
     if (layer.bounce > 0.0f)
-      bounces.Record(*ports.position, SlowContact(layer, params.dt), HasSurface(layer), lane, g,
-                     colliders);
+      bounces.Record(*ports.position, terms.Weight(SlowContact(layer, params.dt)),
+                     HasSurface(layer), lane, g, colliders);
 
     Vec3<W> clump_pull[kFree];
     if constexpr (!kVertexChains)
@@ -132,15 +136,15 @@ struct Step {
         const auto controls = ControlsOf<W>(strands.control, strands.control_count, lane);
         for (uint32_t i = 0; i < kFree; ++i)
           clump_pull[i] = (Load3<W>(ports.position->position[i], controls) - g.root) *
-                          W(ClumpShare(layer.clump, i, kFree));
+                          W(ClumpShare(terms.Clump(), i, kFree));
       }
-    Solver::Iterate(layer, colliders, !kVertexChains && follows, clump_pull, g);
+    Solver::Iterate(terms, colliders, !kVertexChains && follows, clump_pull, g);
 
     ahead(Piece<3>());
     const uint32_t first_new = kVertexChains ? state.first_new_chain : state.first_new_strand;
     const auto fresh = !(lanes < typename W::Int(int32_t(first_new)));
-    return Any(Finish<W, kPoints>(*ports.rest, params, layer.bounce, bounces, colliders, fresh,
-                                  lane, g, *ports.position, *ports.previous) &
+    return Any(Finish<W, kPoints>(*ports.rest, params, layer.bounce, terms.Bounce(), bounces,
+                                  colliders, fresh, lane, g, *ports.position, *ports.previous) &
                alive);
   }
 };

@@ -49,12 +49,15 @@ using enum Domain;
 using namespace frame_gates;
 
 // Kinds a stage's streams do not tell apart.
-constexpr KindMask kPbd{0, kLayerVerlet | kLayerModal}, kVerlet{kLayerVerlet, 0};
-constexpr KindMask kBare{0, kLayerRates | kLayerSagFree}, kUnrated{0, kLayerRates},
-    kUnheld{0, kLayerSagFree};
+constexpr KindMask kPbd{0, kLayerVerlet | kLayerModal | kLayerTraits},
+    kVerlet{kLayerVerlet, kLayerTraits}, kBare{0, kLayerRates | kLayerSagFree | kLayerTraits},
+    kUnrated{0, kLayerRates}, kUnheld{0, kLayerSagFree | kLayerTraits}, kAlike{0, kLayerTraits};
+// With traits, which sag-free layers have not.
+constexpr KindMask kTraitedPbd{0, kLayerVerlet | kLayerModal}, kTraitedVerlet{kLayerVerlet, 0},
+    kTraitedModal{0, kLayerRates};
 constexpr KindMask kTogether{0, kLayerApart}, kModalStrands{kLayerModal, kLayerVertexChains};
 constexpr KindMask kStrandChains{0, kLayerVertexChains};
-constexpr KindMask kDisplaced{0, kLayerModal};
+constexpr KindMask kDisplaced{0, kLayerModal | kLayerTraits}, kTraitedDisplaced{0, kLayerModal};
 constexpr KindMask kUnpainted{0, kLayerPainted};
 constexpr KindMask kWhole{0, kLayerSortInPieces}, kPieces{kLayerSortInPieces, 0};
 
@@ -114,10 +117,13 @@ constexpr FrameEntry kEntries[] = {
     Entry<MeshRates<W>>(kPatch, kMeshRated),
     Entry<Wind<W, true>>(kPatch, kBlown<kPatch>),
     Entry<SimulatePbd<V, 4, true>>(kPatch, kSimulated<kPatch>, kPbd),
+    Entry<WithTraits<SimulatePbd<V, 4, true>>>(kPatch, kSimulated<kPatch>, kTraitedPbd),
     Entry<SimulateModal<W, 4, true>>(kPatch, kSimulated<kPatch>, kBare),
     Entry<SimulateModalRated<W, 4, true>>(kPatch, kSimulated<kPatch>, kUnheld),
     Entry<SimulateModalHeld<W, 4, true>>(kPatch, kSimulated<kPatch>, kUnrated),
     Entry<SimulateModalRatedHeld<W, 4, true>>(kPatch, kSimulated<kPatch>),
+    Entry<WithTraits<SimulateModal<W, 4, true>>>(kPatch, kSimulated<kPatch>, kTraitedModal),
+    Entry<WithTraits<SimulateModalRated<W, 4, true>>>(kPatch, kSimulated<kPatch>),
     Entry<ChainLoads<W>>(kPatch, kLoaded),
     Entry<ChainDisplacements<W>>(kPatch, kLoaded),
     Entry<ShellForce<V>>(kPatch, kBent),
@@ -137,6 +143,10 @@ constexpr FrameEntry kEntries[] = {
     Entry<SimulatePbd<V, 5, false>>(kChunk, kSimulated<kChunk>, kPbd),
     Entry<SimulateVerlet<V, 4>>(kChunk, kSimulated<kChunk>, kVerlet),
     Entry<SimulateVerlet<V, 5>>(kChunk, kSimulated<kChunk>, kVerlet),
+    Entry<WithTraits<SimulatePbd<V, 4, false>>>(kChunk, kSimulated<kChunk>, kTraitedPbd),
+    Entry<WithTraits<SimulatePbd<V, 5, false>>>(kChunk, kSimulated<kChunk>, kTraitedPbd),
+    Entry<WithTraits<SimulateVerlet<V, 4>>>(kChunk, kSimulated<kChunk>, kTraitedVerlet),
+    Entry<WithTraits<SimulateVerlet<V, 5>>>(kChunk, kSimulated<kChunk>, kTraitedVerlet),
     Entry<SimulateModal<W, 4, false>>(kChunk, kSimulated<kChunk>, kBare),
     Entry<SimulateModal<W, 5, false>>(kChunk, kSimulated<kChunk>, kBare),
     Entry<SimulateModal<W, 9, false>>(kChunk, kSimulated<kChunk>, kBare),
@@ -149,8 +159,16 @@ constexpr FrameEntry kEntries[] = {
     Entry<SimulateModalRatedHeld<W, 4, false>>(kChunk, kSimulated<kChunk>),
     Entry<SimulateModalRatedHeld<W, 5, false>>(kChunk, kSimulated<kChunk>),
     Entry<SimulateModalRatedHeld<W, 9, false>>(kChunk, kSimulated<kChunk>),
+    Entry<WithTraits<SimulateModal<W, 4, false>>>(kChunk, kSimulated<kChunk>, kTraitedModal),
+    Entry<WithTraits<SimulateModal<W, 5, false>>>(kChunk, kSimulated<kChunk>, kTraitedModal),
+    Entry<WithTraits<SimulateModal<W, 9, false>>>(kChunk, kSimulated<kChunk>, kTraitedModal),
+    Entry<WithTraits<SimulateModalRated<W, 4, false>>>(kChunk, kSimulated<kChunk>),
+    Entry<WithTraits<SimulateModalRated<W, 5, false>>>(kChunk, kSimulated<kChunk>),
+    Entry<WithTraits<SimulateModalRated<W, 9, false>>>(kChunk, kSimulated<kChunk>),
     Entry<Interpolate<W>>(kChunk, kFitted, kDisplaced),
-    Entry<InterpolateModal<W>>(kChunk, kFitted),
+    Entry<InterpolateModal<W>>(kChunk, kFitted, kAlike),
+    Entry<WithTraits<Interpolate<W>>>(kChunk, kFitted, kTraitedDisplaced),
+    Entry<WithTraits<InterpolateModal<W>>>(kChunk, kFitted),
     Entry<FitCubic<W, 4>>(kChunk, kFitted),
     Entry<FitCubic<W, 5>>(kChunk, kFitted),
     Entry<FitCubic<W, 9>>(kChunk, kFitted),

@@ -44,26 +44,28 @@ struct Interpolate {
     Out<&Streams::strand_points4> points;
   };
 
-  static void Run(const Ports& ports) {
+  static constexpr auto kTraits = &Streams::strand_traits;
+  PELT_INLINE static void Run(const Ports& ports, const TraitBlock* block = nullptr) {
     const uint32_t end = RoundUpToLaneGroups(ports.state->live_strands);
     uint32_t controls = end;
     if (ports.layer->flags & kLayerClump) {
       const uint32_t count = ports.strands->control_count;
       if (count > 0 && count < end) controls = count;
     }
-    WriteRange(ports, 0, controls, false);
-    if (controls < end) WriteRange(ports, controls, end, true);
+    WriteRange(ports, block, 0, controls, false);
+    if (controls < end) WriteRange(ports, block, controls, end, true);
   }
 
  private:
   // Two loops: making unit segments waits for square roots, and only short bodies let the machine
   // overlap the waits of several groups with the gathers of others.
-  PELT_INLINE static void WriteRange(const Ports& ports, uint32_t begin, uint32_t end,
-                                     bool follows) {
+  PELT_INLINE static void WriteRange(const Ports& ports, const TraitBlock* block, uint32_t begin,
+                                     uint32_t end, bool follows) {
     ForEachPrefetched<V::kLanes>(
         begin, end, [&](uint32_t lane) __attribute__((always_inline)) { BlendGroup(ports, lane); },
         AllRows(*ports.strand_rest), AllRows(*ports.points));
-    for (uint32_t lane = begin; lane < end; lane += V::kLanes) FinishGroup(ports, lane, follows);
+    for (uint32_t lane = begin; lane < end; lane += V::kLanes)
+      FinishGroup(ports, block, lane, follows);
   }
 
   // Offsets from the root, lengths as they come.
@@ -83,7 +85,8 @@ struct Interpolate {
 
   // Clumps, then sets each segment to its length, root to tip. A segment of no direction stays a
   // point.
-  PELT_INLINE static void FinishGroup(const Ports& ports, uint32_t lane, bool follows) {
+  PELT_INLINE static void FinishGroup(const Ports& ports, const TraitBlock* block, uint32_t lane,
+                                      bool follows) {
     const Vec3<V> root = Load3<V>(ports.roots->position, lane);
     const V length = chain::LinkLength<V>(*ports.strand_rest, ports.layer->scale, lane);
     Vec3<V> upper{V(0.0f), V(0.0f), V(0.0f)}, at = upper;
@@ -94,7 +97,12 @@ struct Interpolate {
       Vec3<V> point = Load3<V>(ports.points->position[i], lane);
       if (follows) {
         const Vec3<V> to = Load3<V>(ports.points->position[i], controls) - root;
-        point = point + (to - point) * V(chain::ClumpShare(ports.layer->clump, i, kFree));
+        V share = V(chain::ClumpShare(ports.layer->clump, i, kFree));
+        if (block) {
+          const V clump = traits::ShareOf<V>(ports.layer->clump, block->clump, lane);
+          share = chain::ClumpShare(clump, i, kFree);
+        }
+        point = point + (to - point) * share;
       }
       const Vec3<V> d = point - upper;
       const Vec3<V> segment = d * (length * Rsqrt(Max(Dot(d, d), V(1.0e-24f))));

@@ -48,7 +48,9 @@ struct InterpolateModal {
     Out<&Streams::strand_points4> points;
   };
 
-  static void Run(const Params& params, const Ports& ports) {
+  static constexpr auto kTraits = &Streams::strand_traits;
+  PELT_INLINE static void Run(const Params& params, const Ports& ports,
+                              const TraitBlock* block = nullptr) {
     const uint32_t end = RoundUpToLaneGroups(ports.state->live_strands);
     const modal::BarePivots bare(*ports.table);
     uint32_t controls = end;
@@ -57,8 +59,8 @@ struct InterpolateModal {
       if (count > 0 && count < end) controls = count;
     }
     Inside inside;
-    WriteRange(params, ports, bare, 0, controls, end, false, inside);
-    WriteRange(params, ports, bare, controls, end, end, true, inside);
+    WriteRange(params, ports, block, bare, 0, controls, end, false, inside);
+    WriteRange(params, ports, block, bare, controls, end, end, true, inside);
   }
 
  private:
@@ -71,17 +73,18 @@ struct InterpolateModal {
   };
 
   PELT_INLINE static void WriteRange(const Params& params, const Ports& ports,
-                                     const modal::BarePivots& bare, uint32_t begin, uint32_t end,
-                                     uint32_t last, bool follows, Inside& inside) {
+                                     const TraitBlock* block, const modal::BarePivots& bare,
+                                     uint32_t begin, uint32_t end, uint32_t last, bool follows,
+                                     Inside& inside) {
     inside.lanes.count = 0;
     for (uint32_t lane = begin; lane < end; lane += V::kLanes)
-      WriteGroup(params, ports, bare, lane, last, follows, inside);
+      WriteGroup(params, ports, block, bare, lane, last, follows, inside);
     if (inside.lanes.count > 0) KeepOut(params, ports, inside);
   }
 
   PELT_INLINE static void WriteGroup(const Params& params, const Ports& ports,
-                                     const modal::BarePivots& bare, uint32_t lane, uint32_t end,
-                                     bool follows, Inside& inside) {
+                                     const TraitBlock* block, const modal::BarePivots& bare,
+                                     uint32_t lane, uint32_t end, bool follows, Inside& inside) {
     const auto ahead =
         PrefetchInPieces<V::kLanes, 4>(lane, end, AllRows(*ports.rest), AllRows(*ports.points));
     const LayerBlock& layer = *ports.layer;
@@ -111,7 +114,10 @@ struct InterpolateModal {
       Vec3<V> control[N];
       for (uint32_t i = 0; i < N; ++i)
         control[i] = Load3<V>(ports.points->position[i], controls) - g.root;
-      modal::Gather(layer.clump, control, g);
+      if (block)
+        modal::Gather(traits::ShareOf<V>(layer.clump, block->clump, lane), control, g);
+      else
+        modal::Gather(layer.clump, control, g);
     }
     for (uint32_t i = 0; i < N; ++i) Store3(ports.points->position[i], lane, g.root + g.point[i]);
     // Chains that start afresh lie on their groom wherever that is, and their strands too.

@@ -40,4 +40,20 @@ struct LaneList {
   }
 };
 
+namespace modal {
+
+// Lanes that step by one code: all, as if they were free; of those that were picked, what touches something and
+// does no more, where that has a code of its own; the others.
+enum class Lot { kFree, kPlain, kRare };
+
+// How many of them step at once, on a stack as small as a fibre's (jobs/README.md).
+template <class V>
+struct LanesOf {
+  using Free = typename AtMostLanes<V, 16>::Type;
+  using Plain = typename AtMostLanes<V, 8>::Type;
+  using Rare = typename AtMostLanes<V, 4>::Type;
+};
+
+}  // namespace modal
+
 }  // namespace pelt

@@ -50,18 +50,6 @@ struct Walls {
   }
 };
 
-// d turned towards the unit vector u until u . d is `least`, `most` at most, where it is less.
-template <class W>
-PELT_INLINE void LeanAlong(Vec3<W> u, W least, float most, W allowed, Vec3<W>& d) {
-  const W wanted = Clamp(least, W(-1.0f), W(most));
-  const typename W::Mask inside = Dot(u, d) < Min(least, W(most)) - allowed;
-  if (!Any(inside)) return;
-  const Vec3<W> across = UnitAcross(u, d);
-  const Vec3<W> along = u * wanted;
-  const Vec3<W> turned = along + across * Sqrt(Max(W(1.0f) - wanted * wanted, W(0.0f)));
-  d = Select<W>(inside, turned, d);
-}
-
 // Turns part `i`, which starts at `from` and is 1 / `per_length` long, so that its end is beyond none of the
 // walls. The limit comes first: what is solid wins. `lanes`: those that may lean out of the surface, which then
 // are those that a collider has turned since.
@@ -186,9 +174,9 @@ PELT_INLINE void Weaken(typename W::Mask full, W strength, chain::Group<W, kPart
 
 // Every point goes its share of the way to the control strand's, `control` root-relative; parts keep their
 // length. By how much they are longer than the way through the points adds up towards the tip; of 8 the
-// last one would fold, so of more than 4 each goes as its two points lie.
-template <class W, uint32_t kParts>
-PELT_INLINE void Gather(float clump, const Vec3<W> (&control)[kParts], chain::Group<W, kParts>& g) {
+// last one would fold, so of more than 4 each goes as its two points lie. `clump`: of the layer, or each lane's.
+template <class Clump, class W, uint32_t kParts>
+PELT_INLINE void Gather(Clump clump, const Vec3<W> (&control)[kParts], chain::Group<W, kParts>& g) {
   Vec3<W> before = {W(0.0f), W(0.0f), W(0.0f)}, gathered = before, at = before;
   for (uint32_t i = 0; i < kParts; ++i) {
     const Vec3<W> part = g.point[i] - before;

@@ -27,18 +27,6 @@ namespace pelt::modal {
 //
 // Invariant: unit directions in, unit directions out.
 
-// `v` turned as the least turn that takes unit vector `from` to unit vector `to` turns it; half a
-// turn is ambiguous and made about some axis.
-template <class W>
-PELT_INLINE Vec3<W> TurnLeast(Vec3<W> from, Vec3<W> to, Vec3<W> v) {
-  constexpr float kLeastCosine = 1.0e-3f;  // and one
-  const Vec3<W> axis = Cross(from, to);
-  const W cosine = Dot(from, to);
-  const Vec3<W> across = Cross(axis, v);
-  const W along = Dot(axis, v) / Max(W(1.0f) + cosine, W(kLeastCosine));
-  return v * cosine + across + axis * along;
-}
-
 // The rest tangent of the first node one frame ago; shorter than a half where it is not known.
 template <class W, uint32_t N>
 PELT_INLINE Vec3<W> LastRest(const ModalTableBlock& t, const Motion<W, N>& motion) {
@@ -144,11 +132,11 @@ struct FrameStart {
     }
   }
 
-  // `hold`: null where nothing is held up.
+  // `hold`: null where nothing is held up; `own`: where lanes weigh what the layer does.
   template <class At>
-  static PELT_INLINE void LoadAxis(const Ports& ports, const At& at, uint32_t k, const Group& g,
-                                   const Vec3<W> (&rest)[N], const Vec3<W>* hold, W per_length,
-                                   Axis<W, N>& a) {
+  static PELT_INLINE void LoadAxis(const Ports& ports, const TraitBlock* own, const At& at,
+                                   uint32_t k, const Group& g, const Vec3<W> (&rest)[N],
+                                   const Vec3<W>* hold, W per_length, Axis<W, N>& a) {
     const ModalTableBlock& t = *ports.table;
     const ModalStateBlock<NodesOf(kPoints)>& old = *ports.chain;
     W r[N];
@@ -159,7 +147,7 @@ struct FrameStart {
     a.root[1] = a.root[0] - LoadLanes<W>(old.root_step[k], at);
     a.root[2] = a.root[1] - LoadLanes<W>(old.root_turn[k], at);
     const W wind = LoadWind(ports, k, at);
-    const W force = (W(ports.layer->gravity[k]) + wind) * per_length;
+    const W force = (traits::Weigh(own, at, W(ports.layer->gravity[k])) + wind) * per_length;
     W h[N];
     if (hold)
       for (uint32_t i = 0; i < N; ++i) h[i] = Part(hold[i], k);

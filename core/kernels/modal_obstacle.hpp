@@ -201,6 +201,8 @@ struct Surroundings {
   using Mask = typename W::Mask;
 
   float hardness, plane_bounce, max_distance, friction;
+  bool varies;                // lanes bounce otherwise than the layer:
+  W bounce_factor;            // by this
   Vec3<W> end_surface, turn;  // normal of the plane through the root, and its change in this frame
   W per_length;
   float spacing;    // parts from place to place
@@ -221,6 +223,7 @@ struct Surroundings {
                         const Vec3<W> (&rest)[N], const chain::Group<W, kParts>& g) {
     hardness = layer.surface_hardness;
     plane_bounce = layer.bounce;
+    varies = false;
     max_distance = layer.max_distance;
     friction = layer.modal.friction;
     surface = end_surface = g.normal;
@@ -231,6 +234,12 @@ struct Surroundings {
     per_step = per_length * W(t.euler_speed);
     chain::LoadColliders(params, g, colliders);
     colliders.KeepRootsOut();
+  }
+
+  // Share of the speed that a plane gives back.
+  PELT_INLINE W Bounce() const {
+    const W bounce = W(plane_bounce);
+    return varies ? Min(bounce * bounce_factor, W(1.0f)) : bounce;
   }
 
   PELT_INLINE void Advance(const ModalTableBlock& t, uint32_t substep, const Motion<W, N>& motion) {
@@ -307,8 +316,8 @@ struct Surroundings {
       const W height = Dot(at, surface);
       // A share of the depth stays where the surface is soft.
       const W reach = height * W(1.0f - hardness);
-      take(height, {never, never, never, zero, surface, reach, one, one, one, zero, W(plane_bounce),
-                    none, none, one});
+      take(height, {never, never, never, zero, surface, reach, one, one, one, zero, Bounce(), none,
+                    none, one});
     }
     ForEachNow([&](const auto& shape, const ColliderStep& step) __attribute__((always_inline)) {
       W share = one;
@@ -319,7 +328,7 @@ struct Surroundings {
       const Vec3<W> point = o.PointOf(from, at);
       const W distance = shape.Distance(point);
       if (Any(distance < deepest)) {
-        o = Obstacle<W>::Of(shape, step, point, W(plane_bounce), per_step);
+        o = Obstacle<W>::Of(shape, step, point, Bounce(), per_step);
         o.share = share;
         take(distance, o);
       }
@@ -381,6 +390,13 @@ struct Meeting {
     use = true;
     around.Load(t, layer, params, last_surface, rest, g);
     slow = W(chain::SlowContact(layer, params.dt) * t.euler_speed) * around.per_length;
+  }
+  // Of lanes with traits.
+  template <class At>
+  PELT_INLINE void Vary(const TraitBlock& own, const At& at) {
+    slow = traits::Weigh(&own, at, slow);
+    around.varies = true;
+    around.bounce_factor = LoadLanes<W>(own.bounce, at);
   }
 };
 

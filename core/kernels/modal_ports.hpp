@@ -85,6 +85,7 @@ PELT_INLINE auto PrefetchPorts(const Ports& ports, const At& at, uint32_t live) 
 struct Extras {
   const RootRateBlock* rates;  // what is known of the roots between frames
   const DownBlock* down;
+  const TraitBlock* traits;  // clump, weight and bounce of each lane
 };
 
 }  // namespace pelt::modal

@@ -244,7 +244,7 @@ struct Strikes : Meeting<W, N, Q> {
         normal = shape.normal;
       }
       const Vec3<W> at = from + (way.first[q] - from) * share;
-      Obstacle<W> o = Obstacle<W>::Of(first, step, at, W(around.plane_bounce), around.per_step);
+      Obstacle<W> o = Obstacle<W>::Of(first, step, at, around.Bounce(), around.per_step);
       o.drift = o.drift - way.root_v;
       o.share = share;
       Take(met & near, o, when, normal, fast, blow[q]);
@@ -297,7 +297,7 @@ struct Strikes : Meeting<W, N, Q> {
         Obstacle<W> skin;
         skin.Clear();
         skin.carried = one;
-        skin.bounce = W(around.plane_bounce);
+        skin.bounce = around.Bounce();
         Take((end < none) & (end < height), skin, when, up, never, blow[q]);
       }
     Mask met = never;

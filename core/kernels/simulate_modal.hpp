@@ -34,21 +34,6 @@
 
 namespace pelt {
 
-namespace modal {
-
-// Lanes that step by one code: all, as if they were free; of those that were picked, what touches something and
-// does no more, where that has a code of its own; the others.
-enum class Lot { kFree, kPlain, kRare };
-
-// How many of them step at once, on a stack as small as a fibre's (jobs/README.md).
-template <class V>
-struct LanesOf {
-  using Free = typename AtMostLanes<V, 16>::Type;
-  using Plain = typename AtMostLanes<V, 8>::Type;
-  using Rare = typename AtMostLanes<V, 4>::Type;
-};
-}  // namespace modal
-
 template <class V, uint32_t kPoints, bool kVertexChains>
 struct SimulateModal {
   static constexpr std::string_view kName =
@@ -69,8 +54,9 @@ struct SimulateModal {
   using End = modal::FrameEnd<V, kPoints, Ports>;
   using Mask = typename V::Mask;
 
-  static void Run(const Params& params, const Ports& ports) {
-    RunWith(params, ports, {nullptr, nullptr});
+  static constexpr auto kTraits = Ports::Of::kTraits;
+  static void Run(const Params& params, const Ports& ports, const TraitBlock* traits = nullptr) {
+    RunWith(params, ports, {nullptr, nullptr, traits});
   }
 
   // Out of line: the kernels below share it.
@@ -160,14 +146,15 @@ struct SimulateModal {
   // could fail. Kept out of line and of the way: such lanes are rare. Each by itself, as stacks are
   // small (jobs/README.md).
   template <class At, class Touches>
-  static PELT_INLINE void FallBack(const Ports& ports, const At& at, Mask good, Mask follows,
-                                   const Vec3<V> (&rest)[N], const Vec3<V>* hold, V per_length,
-                                   Touches& touches, Motion& motion) {
+  static PELT_INLINE void FallBack(const Ports& ports, const Extras& extras, const At& at,
+                                   Mask good, Mask follows, const Vec3<V> (&rest)[N],
+                                   const Vec3<V>* hold, V per_length, Touches& touches,
+                                   Motion& motion) {
     if (Any(follows & !good)) {
       good = good | StepAgain(ports, at, follows & !good, rest, touches, motion);
       if (AllSet(good)) return;
     }
-    StepSafely(ports, at, !good, rest, hold, per_length, motion);
+    StepSafely(ports, extras, at, !good, rest, hold, per_length, motion);
     if (touches.use) touches.FreeAtOnce(*ports.table, !good, motion);
   }
 
@@ -185,14 +172,17 @@ struct SimulateModal {
   }
 
   template <class At>
-  static __attribute__((noinline)) void StepSafely(const Ports& ports, const At& at, Mask lanes,
+  static __attribute__((noinline)) void StepSafely(const Ports& ports, const Extras& extras,
+                                                   const At& at, Mask lanes,
                                                    const Vec3<V> (&rest)[N], const Vec3<V>* hold,
                                                    V per_length, Motion& motion) {
     Motion safe = motion;
     TakeState(ports, at, rest, safe);
     V force[3];
     for (uint32_t k = 0; k < 3; ++k)
-      force[k] = (V(ports.layer->gravity[k]) + Start::LoadWind(ports, k, at)) * per_length;
+      force[k] = (traits::Weigh(extras.traits, at, V(ports.layer->gravity[k])) +
+                  Start::LoadWind(ports, k, at)) *
+                 per_length;
     modal::EulerFrame<V, N>(*ports.table, rest, hold, {force[0], force[1], force[2]}, safe);
     TakeLanes(lanes, safe, motion);
   }
@@ -216,14 +206,14 @@ struct SimulateModal {
   // A frame of lanes that may touch things. Returns whom something pushed at its end. `left`: how
   // deep points stay inside what they leave slowly, m.
   template <Lot kLot, class At>
-  static PELT_INLINE Mask StepTouching(const Params& params, const Ports& ports, const At& at,
-                                       Mask fresh, const Vec3<V> (&rest)[N], const Vec3<V>* hold,
-                                       V per_length, const Group& g, V (&left)[kParts],
-                                       Motion& motion) {
+  static PELT_INLINE Mask StepTouching(const Params& params, const Ports& ports,
+                                       const Extras& extras, const At& at, Mask fresh,
+                                       const Vec3<V> (&rest)[N], const Vec3<V>* hold, V per_length,
+                                       const Group& g, V (&left)[kParts], Motion& motion) {
     const ModalTableBlock& t = *ports.table;
     Touches<kLot> touches;
-    if (HasObstacles(params, ports)) LoadTouches(params, ports, at, rest, g, touches);
-    const Mask follows = modal::FollowsWeight<V, N>(t, ports.layer->gravity, per_length);
+    if (HasObstacles(params, ports)) LoadTouches(params, ports, extras, at, rest, g, touches);
+    const Mask follows = Follows(ports, extras, at, per_length);
     Mask good = fresh;
     if (Any(follows))
       good = good | (modal::StepFrame(t, Start::WindChanges(ports), touches, motion) & follows);
@@ -233,26 +223,27 @@ struct SimulateModal {
     // A lane that does not follow took no step: what it has there is made of its neighbours'.
     for (uint32_t i = 0; i < kParts; ++i)
       left[i] = Select(follows, deep[(i + 1) * (Q / kParts) - 1] * g.length, V(0.0f));
-    if (!AllSet(good)) FallBack(ports, at, good, follows, rest, hold, per_length, touches, motion);
+    if (!AllSet(good))
+      FallBack(ports, extras, at, good, follows, rest, hold, per_length, touches, motion);
     return touched;
   }
 
   // A frame of lanes as if nothing were in their way. Returns those for which that is not so, or
   // that it fails. `rubs`: those that may touch a collider; set where the layer has friction. `struck`: those that
   // something fast may reach.
-  static PELT_INLINE Mask StepFree(const Params& params, const Ports& ports, uint32_t first,
-                                   const Vec3<V> (&rest)[N], V per_length, const Group& g,
-                                   Mask& rubs, Mask& struck, Motion& motion) {
+  static PELT_INLINE Mask StepFree(const Params& params, const Ports& ports, const Extras& extras,
+                                   uint32_t first, const Vec3<V> (&rest)[N], V per_length,
+                                   const Group& g, Mask& rubs, Mask& struck, Motion& motion) {
     const ModalTableBlock& t = *ports.table;
     // Of lanes that do not follow too, whoever is beside them.
     if (Colliders<V>::HasMoving(params))
       struck = modal::IsInFastWay(params, g, per_length, t.frame_s, motion);
     TouchNotes notes;
     if (HasObstacles(params, ports)) {
-      LoadTouches(params, ports, first, rest, g, notes);
+      LoadTouches(params, ports, extras, first, rest, g, notes);
       if (ports.layer->modal.friction > 0.0f) rubs = notes.around.colliders.any;
     }
-    const Mask follows = modal::FollowsWeight<V, N>(t, ports.layer->gravity, per_length);
+    const Mask follows = Follows(ports, extras, first, per_length);
     if (!Any(follows)) return !follows;
     const Mask good = modal::StepFrame(t, Start::WindChanges(ports), notes, motion) & follows;
     return notes.inside | !good | struck;
@@ -262,14 +253,14 @@ struct SimulateModal {
   // and `clock`, their quiet_s, are set.
   template <class At>
   static __attribute__((noinline)) Mask StepStruck(const Params& params, const Ports& ports,
-                                                   const At& at, Mask fresh,
+                                                   const Extras& extras, const At& at, Mask fresh,
                                                    const Vec3<V> (&rest)[N], V per_length,
                                                    const Group& g, const Motion& start, V& clock,
                                                    Motion& motion) {
     const ModalTableBlock& t = *ports.table;
     const V none = V(0.0f), before = LoadLanes<V>(ports.chain->quiet_s, at);
     Strikes strikes;
-    if (HasObstacles(params, ports)) LoadTouches(params, ports, at, rest, g, strikes);
+    if (HasObstacles(params, ports)) LoadTouches(params, ports, extras, at, rest, g, strikes);
     const Mask was = (before < none) & !fresh;
     const Mask may = modal::IsInFastWay(params, g, per_length, t.frame_s, start) & !fresh;
     if (!Any(may | was)) return may;
@@ -310,11 +301,11 @@ struct SimulateModal {
       Start::LoadHold(ports, *extras.down, at, rest, per_length, held);
       hold = held;
     }
-    Start::LoadAxis(ports, at, 0, g, rest, hold, per_length, motion.axis[0]);
+    Start::LoadAxis(ports, extras.traits, at, 0, g, rest, hold, per_length, motion.axis[0]);
     ahead(Piece<2>());
-    Start::LoadAxis(ports, at, 1, g, rest, hold, per_length, motion.axis[1]);
+    Start::LoadAxis(ports, extras.traits, at, 1, g, rest, hold, per_length, motion.axis[1]);
     ahead(Piece<3>());
-    Start::LoadAxis(ports, at, 2, g, rest, hold, per_length, motion.axis[2]);
+    Start::LoadAxis(ports, extras.traits, at, 2, g, rest, hold, per_length, motion.axis[2]);
     ahead(Piece<4>());
     if (modal::HasRootHistory(layer.modal))
       modal::RootHistory<V, kPoints, Ports, At>::Take(ports, at, rest[0], motion);
@@ -337,20 +328,21 @@ struct SimulateModal {
     } else if (!restart) {
       ahead(Piece<5>());
       if constexpr (kPicks) {
-        picked = StepFree(params, ports, at, rest, per_length, g, rubs, struck, motion);
+        picked = StepFree(params, ports, extras, at, rest, per_length, g, rubs, struck, motion);
         const Mask was = LoadLanes<V>(ports.chain->quiet_s, at) < V(0.0f);
         picked = picked | was, struck = struck | was;
       } else if constexpr (kLot == Lot::kPlain) {
-        touched =
-            StepTouching<kLot>(params, ports, at, fresh, rest, hold, per_length, g, left, motion);
+        touched = StepTouching<kLot>(params, ports, extras, at, fresh, rest, hold, per_length, g,
+                                     left, motion);
       } else {
         Motion after;
         const Mask was = LoadLanes<V>(ports.chain->quiet_s, at) < V(0.0f);
         if (Any(was) || Colliders<V>::HasMoving(params))
-          struck = StepStruck(params, ports, at, fresh, rest, per_length, g, motion, clock, after);
+          struck = StepStruck(params, ports, extras, at, fresh, rest, per_length, g, motion, clock,
+                              after);
         if (!AllSet(struck))
-          touched =
-              StepTouching<kLot>(params, ports, at, fresh, rest, hold, per_length, g, left, motion);
+          touched = StepTouching<kLot>(params, ports, extras, at, fresh, rest, hold, per_length, g,
+                                       left, motion);
         if (Any(struck)) {
           TakeLanes(struck, after, motion);
           touched = touched & !struck;
@@ -387,7 +379,7 @@ struct SimulateModal {
       if constexpr (modal::kHasPoints<Ports>) {
         const Mask full = strength >= V(1.0f);
         if (follows || !AllSet(full))
-          Shape(params, ports, at, follows, full, picked, strength, left, g);
+          Shape(params, ports, extras, at, follows, full, picked, strength, left, g);
       }
     }
     if (Any(fresh)) {
@@ -408,13 +400,22 @@ struct SimulateModal {
            Colliders<V>::HasAny(params);
   }
 
+  // Lanes whose swings the substeps follow: what weighs more is as if it were longer.
+  template <class At>
+  static PELT_INLINE Mask Follows(const Ports& ports, const Extras& extras, const At& at,
+                                  V per_length) {
+    return modal::FollowsWeight<V, N>(*ports.table, ports.layer->gravity,
+                                      traits::Weigh(extras.traits, at, per_length));
+  }
+
   template <class At, class AnyTouches>
-  static PELT_INLINE void LoadTouches(const Params& params, const Ports& ports, const At& at,
-                                      const Vec3<V> (&rest)[N], const Group& g,
-                                      AnyTouches& touches) {
+  static PELT_INLINE void LoadTouches(const Params& params, const Ports& ports,
+                                      const Extras& extras, const At& at, const Vec3<V> (&rest)[N],
+                                      const Group& g, AnyTouches& touches) {
     const Vec3<V> last =
         chain::HasSurface(*ports.layer) ? Load3<V>(ports.chain->normal, at) : g.normal;
     touches.Load(*ports.table, *ports.layer, params, last, rest, g);
+    if (extras.traits) touches.Vary(*extras.traits, at);
   }
 
   static __attribute__((noinline)) void PushOut(const Params& params, const Ports& ports,
@@ -426,8 +427,9 @@ struct SimulateModal {
   // no control strand keep theirs; what those get that were picked is of no use.
   template <class At>
   static __attribute__((noinline)) void Shape(const Params& params, const Ports& ports,
-                                              const At& at, bool follows, Mask full, Mask picked,
-                                              V strength, const V (&left)[kParts], Group& g) {
+                                              const Extras& extras, const At& at, bool follows,
+                                              Mask full, Mask picked, V strength,
+                                              const V (&left)[kParts], Group& g) {
     const LayerBlock& layer = *ports.layer;
     modal::Weaken(full, strength, g);
     Mask shaped = !full;
@@ -439,60 +441,59 @@ struct SimulateModal {
         Vec3<V> control[kParts];
         for (uint32_t i = 0; i < kParts; ++i)
           control[i] = Load3<V>(ports.position->position[i], controls) - g.root;
-        modal::Gather(layer.clump, control, g);
+        if (extras.traits)
+          modal::Gather(traits::ShareOf<V>(layer.clump, extras.traits->clump, at), control, g);
+        else
+          modal::Gather(layer.clump, control, g);
       }
     if (HasObstacles(params, ports)) modal::KeepOut(layer, params, shaped & !picked, left, g);
   }
 };
 
-// The same with the roots' velocities, in frames that have them.
+// What those below are: SimulateModal with more ports, of what some layers have besides.
+template <class V, uint32_t kPoints, bool kVertexChains, class MorePorts>
+struct SimulateModalWith {
+  using Params = SimulateParams;
+  using Ports = MorePorts;
+  static constexpr auto kTraits = ChainStreams<kPoints, kVertexChains>::kTraits;
+
+  static void Run(const Params& params, const Ports& ports, const TraitBlock* traits = nullptr) {
+    modal::Extras extras{nullptr, nullptr, traits};
+    if constexpr (requires { ports.rates; })
+      if (ports.plain.layer->flags & kLayerRatesGiven) extras.rates = ports.rates.block;
+    if constexpr (requires { ports.down; }) extras.down = ports.down.block;
+    SimulateModal<V, kPoints, kVertexChains>::RunWith(params, ports.plain, extras);
+  }
+};
+
+// With the roots' velocities, in frames that have them.
 template <class V, uint32_t kPoints, bool kVertexChains>
-struct SimulateModalRated {
+struct SimulateModalRated
+    : SimulateModalWith<V, kPoints, kVertexChains, modal::RatedPorts<kPoints, kVertexChains>> {
   static constexpr std::string_view kName =
       kVertexChains ? "simulate_modal_rated_vertex"
                     : ByPoints<kPoints>("simulate_modal_rated_4", "simulate_modal_rated_5",
                                         "simulate_modal_rated_9");
-  using Params = SimulateParams;
-  using Ports = modal::RatedPorts<kPoints, kVertexChains>;
-
-  static void Run(const Params& params, const Ports& ports) {
-    const bool given = (ports.plain.layer->flags & kLayerRatesGiven) != 0;
-    SimulateModal<V, kPoints, kVertexChains>::RunWith(
-        params, ports.plain, {given ? ports.rates.block : nullptr, nullptr});
-  }
 };
 
-// The same of sag-free layers.
+// Of sag-free layers.
 template <class V, uint32_t kPoints, bool kVertexChains>
-struct SimulateModalHeld {
+struct SimulateModalHeld
+    : SimulateModalWith<V, kPoints, kVertexChains, modal::HeldPorts<kPoints, kVertexChains>> {
   static constexpr std::string_view kName =
       kVertexChains ? "simulate_modal_held_vertex"
                     : ByPoints<kPoints>("simulate_modal_held_4", "simulate_modal_held_5",
                                         "simulate_modal_held_9");
-  using Params = SimulateParams;
-  using Ports = modal::HeldPorts<kPoints, kVertexChains>;
-
-  static void Run(const Params& params, const Ports& ports) {
-    SimulateModal<V, kPoints, kVertexChains>::RunWith(params, ports.plain,
-                                                      {nullptr, ports.down.block});
-  }
 };
 
 template <class V, uint32_t kPoints, bool kVertexChains>
-struct SimulateModalRatedHeld {
+struct SimulateModalRatedHeld
+    : SimulateModalWith<V, kPoints, kVertexChains, modal::RatedHeldPorts<kPoints, kVertexChains>> {
   static constexpr std::string_view kName =
       kVertexChains
           ? "simulate_modal_rated_held_vertex"
           : ByPoints<kPoints>("simulate_modal_rated_held_4", "simulate_modal_rated_held_5",
                               "simulate_modal_rated_held_9");
-  using Params = SimulateParams;
-  using Ports = modal::RatedHeldPorts<kPoints, kVertexChains>;
-
-  static void Run(const Params& params, const Ports& ports) {
-    const bool given = (ports.plain.layer->flags & kLayerRatesGiven) != 0;
-    SimulateModal<V, kPoints, kVertexChains>::RunWith(
-        params, ports.plain, {given ? ports.rates.block : nullptr, ports.down.block});
-  }
 };
 
 }  // namespace pelt

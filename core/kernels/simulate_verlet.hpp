@@ -4,8 +4,8 @@
 // Verlet integration, then in each iteration, in the original's order: stiffness (every point goes
 // a share of the way to its rest point, which the root frame carries), clumping (a share of the way
 // to the same point of its control strand, growing from root to tip), and last the position
-// constraints: segment lengths from root to tip, the plane through the root, colliders. There
-// is no angular constraint here: stiffness towards absolute rest points does its work.
+// constraints: segment lengths from root to tip, limits of bends (traits.hpp), the plane through the root,
+// colliders. There is no pull on angles here: stiffness towards absolute rest points does its work.
 //
 // What a layer does not use is left out for the whole chunk; leaving it out gives the same bits as
 // doing it with a share of 0. Invariants: see chain.hpp and chain_step.hpp.
@@ -28,24 +28,36 @@ struct SimulateVerlet {
   static void Run(const Params& params, const Ports& ports) {
     chain::Step<V, kPoints, false, SimulateVerlet>::Run(params, ports);
   }
+  static constexpr auto kTraits = Ports::Of::kTraits;
+  static void Run(const Params& params, const Ports& ports, const TraitBlock* block) {
+    chain::Step<V, kPoints, false, SimulateVerlet>::Run(params, ports, traits::OwnTraits{block});
+  }
 
-  template <class W>
-  PELT_INLINE static void Iterate(const LayerBlock& layer, const Colliders<W>& colliders,
-                                  bool clump, const Vec3<W> (&clump_pull)[kFree],
-                                  chain::Group<W, kFree>& g) {
+  template <class Terms, class W>
+  PELT_INLINE static void Iterate(const Terms& terms, const Colliders<W>& colliders, bool clump,
+                                  const Vec3<W> (&clump_pull)[kFree], chain::Group<W, kFree>& g) {
+    const LayerBlock& layer = terms.layer;
     const chain::LengthRule<W> rule(g.length, layer.link.segment_hardness);
     const W keep = W(1.0f - layer.link.stiffness);
     Vec3<W> pull[kFree];
-    for (uint32_t i = 0; i < kFree; ++i) pull[i] = g.rest[i] * W(layer.link.stiffness);
+    for (uint32_t i = 0; i < kFree; ++i)
+      pull[i] = g.rest[i] * W(terms.Hardness(layer.link.stiffness, i));
+    const auto kept = [&](uint32_t i) __attribute__((always_inline)) {
+      if constexpr (Terms::kOfLanes)
+        return traits::LeftOf(terms.Hardness(layer.link.stiffness, i));
+      else
+        return keep;
+    };
     const bool surface = chain::HasSurface(layer);
 
     for (uint32_t iteration = 0; iteration < layer.link.iterations; ++iteration) {
-      for (uint32_t i = 0; i < kFree; ++i) g.point[i] = g.point[i] * keep + pull[i];
+      for (uint32_t i = 0; i < kFree; ++i) g.point[i] = g.point[i] * kept(i) + pull[i];
       if (clump)
         for (uint32_t i = 0; i < kFree; ++i)
-          g.point[i] =
-              g.point[i] * W(1.0f - chain::ClumpShare(layer.clump, i, kFree)) + clump_pull[i];
+          g.point[i] = g.point[i] * W(traits::LeftOf(chain::ClumpShare(terms.Clump(), i, kFree))) +
+                       clump_pull[i];
       chain::SetLengths(rule, g.point);
+      terms.Limit(g.rest, g.point);
       if (surface) chain::PushAboveSurface(g, layer.surface_hardness);
       colliders.PushOut(g.point);
     }

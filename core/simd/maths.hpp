@@ -137,4 +137,28 @@ PELT_INLINE Vec3<V> UnitAcross(Vec3<V> n, Vec3<V> t) {
   return unit;
 }
 
+// `v` turned as the least turn that takes unit vector `from` to unit vector `to` turns it; half a
+// turn is ambiguous and made about some axis.
+template <class V>
+PELT_INLINE Vec3<V> TurnLeast(Vec3<V> from, Vec3<V> to, Vec3<V> v) {
+  constexpr float kLeastCosine = 1.0e-3f;  // and one
+  const Vec3<V> axis = Cross(from, to);
+  const V cosine = Dot(from, to);
+  const Vec3<V> across = Cross(axis, v);
+  const V along = Dot(axis, v) / Max(V(1.0f) + cosine, V(kLeastCosine));
+  return v * cosine + across + axis * along;
+}
+
+// d turned towards the unit vector u until u . d is `least`, `most` at most, where it is less.
+template <class V>
+PELT_INLINE void LeanAlong(Vec3<V> u, V least, float most, V allowed, Vec3<V>& d) {
+  const V wanted = Clamp(least, V(-1.0f), V(most));
+  const typename V::Mask inside = Dot(u, d) < Min(least, V(most)) - allowed;
+  if (!Any(inside)) return;
+  const Vec3<V> across = UnitAcross(u, d);
+  const Vec3<V> along = u * wanted;
+  const Vec3<V> turned = along + across * Sqrt(Max(V(1.0f) - wanted * wanted, V(0.0f)));
+  d = Select<V>(inside, turned, d);
+}
+
 }  // namespace pelt

@@ -205,7 +205,7 @@ TEST(Collider, ALinkThatLeansAsToldEndsOutside) {
       const Lanes<V> start(from), before(from + d * V(length));
       for (int pass = 0; pass < modal::kContactPasses; ++pass) {
         const LeanLimit<V> out = shape.Lean(from, d, per_length);
-        modal::LeanAlong(out.u, out.least, modal::kReach, V(0.0f), d);
+        LeanAlong(out.u, out.least, modal::kReach, V(0.0f), d);
       }
       const Lanes<V> after(from + d * V(length)), direction(d);
       for (int l = 0; l < V::kLanes; ++l) {

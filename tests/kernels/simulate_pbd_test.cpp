@@ -36,12 +36,11 @@ struct SweptBackwards {
   static void Run(const Params& params, const Ports& ports) {
     chain::Step<V, 4, false, SweptBackwards>::Run(params, ports);
   }
-  template <class W>
-  PELT_INLINE static void Iterate(const LayerBlock& layer, const Colliders<W>& colliders,
-                                  bool clump, const Vec3<W> (&pull)[kFree],
-                                  chain::Group<W, kFree>& g) {
+  template <class Terms, class W>
+  PELT_INLINE static void Iterate(const Terms& terms, const Colliders<W>& colliders, bool clump,
+                                  const Vec3<W> (&pull)[kFree], chain::Group<W, kFree>& g) {
     std::swap(g.point[1], g.point[2]);
-    SimulatePbd<V, 4, false>::Iterate(layer, colliders, clump, pull, g);
+    SimulatePbd<V, 4, false>::Iterate(terms, colliders, clump, pull, g);
     std::swap(g.point[1], g.point[2]);
   }
 };
