@@ -71,6 +71,7 @@ uint32_t LayerKind(const LayerParams& p) {
   if (p.lit) kind |= kLayerLit;
   if (p.painted) kind |= kLayerPainted;
   if (p.fins) kind |= kLayerFins;
+  if (p.traits) kind |= kLayerTraits;
   return kind;
 }
 

@@ -145,11 +145,14 @@ struct FurScene::GroomCopy {
         vertex_rest(from.vertex_rest),
         vertex_down(from.vertex_down),
         strand_down(from.strand_down),
+        vertex_traits(from.vertex_traits),
+        strand_traits(from.strand_traits),
         shell_skin(from.shell_skin),
         fin_edges(from.fin_edges) {}
   const Groom& groom;
   Taken<RestBlock<4>> vertex_rest;
   Taken<DownBlock> vertex_down, strand_down;
+  Taken<TraitBlock> vertex_traits, strand_traits;
   Taken<ShellSkinBlock> shell_skin;
   Taken<FinEdgeBlock> fin_edges;
   uint32_t strand_rest[kMostStrandPoints + 1] = {};  // taken, by points
@@ -231,6 +234,8 @@ bool FurScene::CopyPatch(GroomCopy& copy, const GroomLayer& layer, uint32_t from
                         *memory_.Of<&Streams::vertex_rest>(to));
     if (layer.params.sag_free)
       changed |= Put(*memory_.Of<&Streams::vertex_down>(to), copy.vertex_down.Next());
+    if (layer.params.traits)
+      changed |= Put(*memory_.Of<&Streams::vertex_traits>(to), copy.vertex_traits.Next());
   }
   if (shells) changed |= Put(*memory_.Of<&Streams::shell_skin>(to), copy.shell_skin.Next());
   return changed;
@@ -251,6 +256,8 @@ bool FurScene::CopyChunk(GroomCopy& copy, const GroomLayer& layer, uint32_t from
   });
   if (params.sag_free && !on_vertices)
     changed |= Put(*memory_.Of<&Streams::strand_down>(to), copy.strand_down.Next());
+  if (params.traits)
+    changed |= Put(*memory_.Of<&Streams::strand_traits>(to), copy.strand_traits.Next());
   return changed;
 }
 

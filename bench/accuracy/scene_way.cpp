@@ -143,6 +143,7 @@ bool GiveOwnChains(Groom& groom) {
   }
   groom.vertex_rest = std::move(kept);
   groom.vertex_down.clear();
+  groom.vertex_traits.clear();  // strands have their own; shells none
   groom.strand_down = std::move(down);
   return any;
 }

@@ -294,6 +294,15 @@ const T& DrawOne(Random& random, const std::vector<T>& from) {
   return from[random.Below(uint32_t(from.size()))];
 }
 
+// What the layer's solver or output does not keep is unsaid again, key by key.
+void DropBadTraits(LayerSetup& layer) {
+  while (const auto bad = FindBadTrait(layer)) {
+    if (bad->key == "hardness_profile") layer.hardness_profile.clear();
+    for (const StrandAttribute& entry : kStrandAttributes)
+      if (entry.key == bad->key) layer.*entry.member = LayerSetup{}.*entry.member;
+  }
+}
+
 LayerSetup DrawLayer(Random& random, const Character& character, std::string name) {
   LayerSetup layer;
   layer.name = std::move(name);
@@ -301,6 +310,10 @@ LayerSetup DrawLayer(Random& random, const Character& character, std::string nam
   layer.params = DrawParams(random);
   for (const StrandAttribute& entry : kStrandAttributes)
     layer.*entry.member = DrawAttribute(random, entry, layer.*entry.member);
+  if (random.Below(2))
+    for (uint32_t i = 0; i + 1 < layer.params.points; ++i)
+      layer.hardness_profile.push_back(float(random.Uniform(0.0, 2.0)));
+  DropBadTraits(layer);
   layer.max_strands = 1 + random.Below(200);
   layer.density = 1.0e4f * float(1u << random.Below(6));
   layer.clump_controls = 16u << random.Below(3);

@@ -13,8 +13,9 @@ constexpr float kDenormal = 1.0e-40f;
 
 // Where a layer's blocks begin in the groom's arrays that not every layer has, and how many it has.
 struct RareBlocks {
-  size_t vertex = 0, shells = 0, vertex_down = 0;                           // of patches
-  size_t strand4 = 0, strand5 = 0, strand9 = 0, fins = 0, strand_down = 0;  // of chunks
+  size_t vertex = 0, shells = 0, vertex_down = 0, vertex_traits = 0;  // of patches
+  size_t strand4 = 0, strand5 = 0, strand9 = 0, fins = 0, strand_down = 0,
+         strand_traits = 0;  // of chunks
 };
 
 RareBlocks CountRare(const GroomLayer& layer) {
@@ -26,11 +27,13 @@ RareBlocks CountRare(const GroomLayer& layer) {
   return {patches(on_vertices),
           patches(shells),
           patches(params.sag_free && on_vertices),
+          patches(params.traits && on_vertices),
           chunks(!shells && params.points == 4),
           chunks(params.points == 5),
           chunks(params.points == 9),
           chunks(params.fins),
-          chunks(params.sag_free && !on_vertices)};
+          chunks(params.sag_free && !on_vertices),
+          chunks(params.traits)};
 }
 
 std::vector<RareBlocks> FindRare(const Groom& groom) {
@@ -47,6 +50,8 @@ std::vector<RareBlocks> FindRare(const Groom& groom) {
     at.strand9 += own.strand9;
     at.fins += own.fins;
     at.strand_down += own.strand_down;
+    at.vertex_traits += own.vertex_traits;
+    at.strand_traits += own.strand_traits;
   }
   return places;
 }
@@ -79,6 +84,8 @@ Groom TakeLayers(const Groom& from, const std::vector<size_t>& layers) {
     Append(groom.strand_rest9, from.strand_rest9, first.strand9, own.strand9);
     Append(groom.fin_edges, from.fin_edges, first.fins, own.fins);
     Append(groom.strand_down, from.strand_down, first.strand_down, own.strand_down);
+    Append(groom.vertex_traits, from.vertex_traits, first.vertex_traits, own.vertex_traits);
+    Append(groom.strand_traits, from.strand_traits, first.strand_traits, own.strand_traits);
     layer.first_patch = uint32_t(groom.mesh.size()) - layer.patch_count;
     layer.first_chunk = uint32_t(groom.strands.size()) - layer.chunk_count;
     groom.layers.push_back(layer);

@@ -320,6 +320,10 @@ GroomedStrand AttributeMaker::Groom(const ScatterPoint& point, uint32_t strand) 
   for (size_t i = 0; i < kStrandAttributes.size(); ++i)
     if (const StrandAttribute& entry = kStrandAttributes[i]; entry.stored)
       groomed.stored[i] = Stored(entry, Evaluate(layer_, entry, place));
+  for (const StrandAttribute& entry : kStrandAttributes)
+    if (entry.trait)
+      groomed.traits.*entry.trait =
+          float(std::clamp(Evaluate(layer_, entry, place), entry.low, entry.high));
   const auto value = [&](Attribute LayerSetup::*attribute) {
     return Evaluate(layer_, kStrandAttributes[PlaceOf(attribute)], place);
   };

@@ -76,8 +76,9 @@ struct GroomedStrand {
   glm::vec3 position;  // of the root: rest pose, m
   RootFrame frame;     // rest pose
   RestShape rest;
-  float length;                            // m
-  float strength;                          // 0..1
+  float length;    // m
+  float strength;  // 0..1
+  StrandTraits traits;
   float stored[kStrandAttributes.size()];  // of those that a StrandBlock stores
   uint32_t base_colour, tip_colour;
   uint8_t film_strip;

@@ -51,6 +51,8 @@ void BakeLayer(const Character& character, const RestGeometry& rest, const FurSe
   // A setup need not come from a file: ReadFurSetup has said as much, with the line.
   if (const std::string bad = FindBadParam(layer.params); !bad.empty())
     throw Error(Format("{}: layer '{}': {}", setup.path, layer.name, bad));
+  if (const auto bad = FindBadTrait(layer))
+    throw Error(Format("{}: layer '{}': {}: {}", setup.path, layer.name, bad->key, bad->reason));
   const Growth growth(character, rest, setup, layer, surface);
   const AttributeMaker maker(character, rest, setup, layer, surface);
   ScatterDensity density;

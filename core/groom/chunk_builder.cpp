@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/exact_math.hpp"
 #include "core/float_rules.hpp"
 #include "core/groom/growth.hpp"
 
@@ -19,6 +20,7 @@ constexpr float kLeastWeight = 1e-3f;
 // Of a vertex and its seam duplicates.
 struct Sum {
   double weight = 0.0, length = 0.0, strength = 0.0;
+  double traits[kStrandAttributes.size()] = {};
   RestShape offset{};  // rest pose, world axes
 };
 
@@ -65,6 +67,9 @@ VertexChains::VertexChains(const Mesh& mesh, const RestGeometry& rest,
       sum.weight += weight;
       sum.length += weight * double(strand.length);
       sum.strength += weight * double(strand.strength);
+      for (size_t i = 0; i < kStrandAttributes.size(); ++i)
+        if (const auto trait = kStrandAttributes[i].trait)
+          sum.traits[i] += weight * double(strand.traits.*trait);
       for (uint32_t i = 0; i + 1 < kChainPoints; ++i) sum.offset.offset[i] += world[i] * weight;
     }
   }
@@ -82,6 +87,9 @@ VertexChains::VertexChains(const Mesh& mesh, const RestGeometry& rest,
         MakeEqualSegments(mean, length, kChainPoints, glm::dvec3(0.0, 0.0, 1.0));
     chains_[i].length = float(length);
     chains_[i].strength = float(std::min(sum.strength / sum.weight, 1.0));
+    for (size_t k = 0; k < kStrandAttributes.size(); ++k)
+      if (const auto trait = kStrandAttributes[k].trait)
+        chains_[i].traits.*trait = float(sum.traits[k] / sum.weight);
     chains_[i].down = frame.ToFrame(kRestDown);
     chains_[i].lift = maker.LiftVertex(duplicates[v]);
   }
@@ -290,6 +298,33 @@ void FillStrandDown(const LayerBake& bake, const ChunkPart& chunk, DownBlock& bl
   }
 }
 
+void SetTraits(const LayerSetup& layer, const StrandTraits& traits, uint32_t lane,
+               TraitBlock& block) {
+  const std::vector<float>& profile = layer.hardness_profile;
+  for (uint32_t i = 0; i < kTraitLinks; ++i)
+    block.stiffness[i][lane] = traits.stiffness * (i < profile.size() ? profile[i] : 1.0f);
+  block.drag[lane] = (traits.damping - 1.0f) * layer.params.velocity_damping;
+  block.clump[lane] = traits.clump;
+  block.weight[lane] = traits.weight;
+  block.bounce[lane] = traits.bounce;
+  const double limit = double(traits.angle_limit) * exact::kRadiansPerDegree;
+  block.least_cosine[lane] = traits.angle_limit < 180.0f ? float(exact::Cos(limit)) : -2.0f;
+}
+
+void FillVertexTraits(const LayerBake& bake, const VertexPatch& patch, TraitBlock& block) {
+  for (uint32_t lane = 0; lane < kVerticesPerChunk; ++lane) {
+    const uint32_t source = SourceLane(lane, uint32_t(patch.vertices.size()));
+    SetTraits(bake.layer, bake.vertices[patch.vertices[source]].traits, lane, block);
+  }
+}
+
+void FillStrandTraits(const LayerBake& bake, const ChunkPart& chunk, TraitBlock& block) {
+  for (uint32_t lane = 0; lane < kStrandsPerChunk; ++lane) {
+    const uint32_t source = SourceLane(lane, uint32_t(chunk.strands.size()));
+    SetTraits(bake.layer, bake.strands[chunk.strands[source]].traits, lane, block);
+  }
+}
+
 void FillShellSkin(const LayerBake& bake, const VertexPatch& patch, ShellSkinBlock& block) {
   for (uint32_t lane = 0; lane < kVerticesPerChunk; ++lane) {
     const uint32_t v = patch.vertices[SourceLane(lane, uint32_t(patch.vertices.size()))];
@@ -357,6 +392,7 @@ void AppendPatch(const LayerBake& bake, const VertexPatch& patch, Groom& groom) 
   if (bake.layer.params.chain == ChainKind::kVertex) {
     FillVertexRest(bake, patch, groom.vertex_rest.emplace_back());
     if (bake.layer.params.sag_free) FillVertexDown(bake, patch, groom.vertex_down.emplace_back());
+    if (HasTraits(bake.layer)) FillVertexTraits(bake, patch, groom.vertex_traits.emplace_back());
   }
   if (bake.shells) FillShellSkin(bake, patch, groom.shell_skin.emplace_back());
 }
@@ -374,6 +410,7 @@ void AppendChunk(const LayerBake& bake, const ChunkPart& chunk, const LocalVerti
   });
   if (params.sag_free && params.chain != ChainKind::kVertex)
     FillStrandDown(bake, chunk, groom.strand_down.emplace_back());
+  if (HasTraits(bake.layer)) FillStrandTraits(bake, chunk, groom.strand_traits.emplace_back());
 }
 
 }  // namespace
@@ -383,6 +420,7 @@ void AppendLayer(const LayerBake& bake, std::span<const ChunkPart> chunks,
   GroomLayer layer;
   layer.name = bake.layer.name;
   layer.params = bake.layer.params;
+  layer.params.traits = HasTraits(bake.layer);
   layer.first_patch = uint32_t(groom.mesh.size());
   layer.patch_count = uint32_t(patches.size());
   layer.first_chunk = uint32_t(groom.strands.size());

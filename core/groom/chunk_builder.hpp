@@ -25,8 +25,9 @@ struct VertexChain {
   RestShape rest;         // 4 points, equal segments, in the vertex's own frame
   float length = 0.0f;    // m
   float strength = 0.0f;  // 0..1
-  glm::dvec3 down{0.0};   // of the rest pose, in the vertex's own frame
-  float lift = 0.0f;      // of the skin along its normal: the layer's offset attribute, m
+  StrandTraits traits;
+  glm::dvec3 down{0.0};  // of the rest pose, in the vertex's own frame
+  float lift = 0.0f;     // of the skin along its normal: the layer's offset attribute, m
 };
 
 // For each vertex the lowest one that has the same place and normal, bit for bit.

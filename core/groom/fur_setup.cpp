@@ -35,6 +35,9 @@ void CheckLayer(const SetupReader& reader, const toml::table& table, const toml:
   if (const auto bad = FindBadCombination(params)) {
     FailLayer(reader, table, defaults, bad->key, bad->reason);
   }
+  if (const auto bad = FindBadTrait(layer))
+    FailLayer(reader, table, defaults, bad->key, bad->reason);
+  params.traits = HasTraits(layer);
   if (params.clump > 0.0f && layer.clump_controls == 0) {
     FailLayer(reader, table, defaults, "clump", "needs clump_controls above 0");
   }
@@ -62,6 +65,52 @@ LayerSetup ReadLayer(SetupReader& reader, const toml::node& node, size_t index,
 }
 
 }  // namespace
+
+namespace {
+
+// Some strand may have another value than all of the layer by default.
+bool IsOwn(const LayerSetup& layer, const StrandAttribute& entry) {
+  const Attribute& own = layer.*entry.member;
+  return own.value != StrandTraits{}.*entry.trait || own.randomise != 0.0f || own.range ||
+         own.map.map;
+}
+
+}  // namespace
+
+bool HasTraits(const LayerSetup& layer) {
+  return layer.params.traits || !layer.hardness_profile.empty() ||
+         std::ranges::any_of(kStrandAttributes, [&](const StrandAttribute& entry) {
+           return entry.trait && IsOwn(layer, entry);
+         });
+}
+
+std::optional<BadKey> FindBadTrait(const LayerSetup& layer) {
+  const LayerParams& params = layer.params;
+  constexpr std::string_view kOneTable =
+      "solver = \"modal\" bends a layer's strands by one table: set strength, give them a layer of "
+      "their own, "
+      "or use solver = \"pbd\" or \"verlet\"";
+  const auto find = [&](std::string_view key, bool of_links) -> std::optional<BadKey> {
+    if (params.output == Output::kShells) return BadKey{key, "shells have no chains of strands"};
+    if (params.sag_free) return BadKey{key, "strands of a sag_free layer have no traits"};
+    if (of_links && params.solver == Solver::kModal) return BadKey{key, kOneTable};
+    return std::nullopt;
+  };
+  for (const StrandAttribute& entry : kStrandAttributes) {
+    if (!entry.trait || !IsOwn(layer, entry)) continue;
+    const bool of_links = entry.trait == &StrandTraits::stiffness ||
+                          entry.trait == &StrandTraits::damping ||
+                          entry.trait == &StrandTraits::angle_limit;
+    if (const auto bad = find(entry.key, of_links)) return bad;
+  }
+  if (layer.hardness_profile.empty()) return std::nullopt;
+  if (const auto bad = find("hardness_profile", true)) return bad;
+  if (layer.hardness_profile.size() + 1 != params.points)
+    return BadKey{"hardness_profile", params.points == 4
+                                          ? "3 factors: chains of 4 points have 3 links"
+                                          : "4 factors: chains of 5 points have 4 links"};
+  return std::nullopt;
+}
 
 namespace {
 

@@ -111,6 +111,12 @@ struct LayerSetup {
   Attribute elevation{45.0f};  // above the surface, degrees: 90 stands up
   Attribute frizz;             // root frizz: random tilt at the root, degrees
   Attribute strength{1.0f};    // simulation strength, 0..1
+  // What strands have of their own (StrandTraits).
+  Attribute stiffness_scale{1.0f}, damping_scale{1.0f}, clump_scale{1.0f}, weight_scale{1.0f},
+      bounce_scale{1.0f};
+  Attribute angle_limit{180.0f};  // degrees
+  std::vector<float>
+      hardness_profile;  // factor on the hardness of each link's joint, root first; empty: 1
   std::vector<CombVector> comb;
   float comb_normal_weight = 0.5f;  // how strongly a differing normal weakens a comb vector, 0..1
   std::string comb_joint;  // outside every reach: along this joint's direction; empty: azimuth and
@@ -122,6 +128,12 @@ struct LayerSetup {
   MapChannel colour_map;                       // rgb multiplies both colours
   MapChannel base_colour_map, tip_colour_map;  // rgb multiplies one of them
   uint32_t film_strip_count = 1;               // index is picked at random below it
+};
+
+// How a strand differs from its layer in how it moves: factors, and how far a link may bend, degrees; 180: any.
+struct StrandTraits {
+  float stiffness = 1.0f, damping = 1.0f, clump = 1.0f, weight = 1.0f, bounce = 1.0f;
+  float angle_limit = 180.0f;
 };
 
 // An attribute that every strand (or mesh vertex) has a value of: its key, and where the value
@@ -138,6 +150,8 @@ struct StrandAttribute {
   // Where each strand's value is stored, within the bounds of that member's row; null: it shapes
   // the strand (attributes.cpp).
   float (StrandBlock::*stored)[kStrandsPerChunk] = nullptr;
+  // Or where it goes in the strand's traits, within the bounds above.
+  float StrandTraits::*trait = nullptr;
 };
 
 namespace strand_attributes_detail {
@@ -166,6 +180,21 @@ inline constexpr StrandAttribute kEntries[] = {
      KeyGroup::kLook, 11},
     {&L::strength, "strength", "", 0, 1, "of the simulation; 0 follows the skin",
      KeyGroup::kMotion, 10},
+    {&L::stiffness_scale, "stiffness_scale", "", 0, 10,
+     "pbd, verlet: factor on the strand's hardness or stiffness", KeyGroup::kMotion, 15, nullptr,
+     &StrandTraits::stiffness},
+    {&L::damping_scale, "damping_scale", "", 0, 10,
+     "pbd, verlet: factor on the strand's velocity_damping", KeyGroup::kMotion, 16, nullptr,
+     &StrandTraits::damping},
+    {&L::clump_scale, "clump_scale", "", 0, 10, "factor on the strand's clump, up to 1",
+     KeyGroup::kMotion, 17, nullptr, &StrandTraits::clump},
+    {&L::weight_scale, "weight_scale", "", 0, 10, "factor on the strand's weight",
+     KeyGroup::kMotion, 18, nullptr, &StrandTraits::weight},
+    {&L::bounce_scale, "bounce_scale", "", 0, 10, "factor on the strand's bounce, up to 1",
+     KeyGroup::kMotion, 19, nullptr, &StrandTraits::bounce},
+    {&L::angle_limit, "angle_limit", "degrees", 1, 180,
+     "pbd, verlet: how far a link may bend from the groom, against the link above it; 180: any",
+     KeyGroup::kMotion, 20, nullptr, &StrandTraits::angle_limit},
 };
 // clang-format on
 
@@ -179,6 +208,11 @@ constexpr size_t PlaceOf(Attribute LayerSetup::*member) {
   while (kStrandAttributes[place].member != member) ++place;
   return place;
 }
+
+// Whether strands of the layer have traits: it says so, or a key does that gives them.
+bool HasTraits(const LayerSetup& layer);
+// A key of theirs that the layer's solver or output cannot keep.
+std::optional<BadKey> FindBadTrait(const LayerSetup& layer);
 
 // The lights that a fur setup brings along, as read from its [lights]; in the world, metres. Nothing is derived here
 // but directions of unit length. Colours are linear: what they mean is described in core/surroundings.hpp.

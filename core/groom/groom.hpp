@@ -25,7 +25,8 @@ struct GroomLayer {
 // mesh[p], of a vertex-chain layer vertex_rest, which has vertex_down where it is sag-free, and of shells
 // shell_skin. Chunk c has strands[c], halo[c], strand_uv[c]; but for shells strand_rest4, of layers of 5
 // and 9 points strand_rest5 and strand_rest9; with fins fin_edges; of a sag-free layer with a chain per
-// strand strand_down. Those arrays hold the patches or chunks that need them, in order.
+// strand strand_down; where strands have traits strand_traits, and the patches of vertex chains vertex_traits.
+// Those arrays hold the patches or chunks that need them, in order.
 struct Groom {
   float unit_scale = 1.0f;
   uint32_t joint_count = 0;
@@ -45,6 +46,8 @@ struct Groom {
   std::vector<DownBlock> vertex_down;
   std::vector<DownBlock> strand_down;
   std::vector<RestBlock<9>> strand_rest9;
+  std::vector<TraitBlock> vertex_traits;
+  std::vector<TraitBlock> strand_traits;
 };
 
 // The rest shapes of strands of so many points.

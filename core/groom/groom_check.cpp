@@ -101,10 +101,9 @@ class Checker {
   [[nodiscard]] bool CheckRange(const std::vector<T>& items, size_t index, const float* values,
                                 size_t count, float low, float high) {
     for (size_t i = 0; i < count; ++i) {
-      if (!(values[i] >= low && values[i] <= high)) {
+      if (!(values[i] >= low && values[i] <= high))
         return Fail(items, index, values + i,
                     Format("{} is not a number between {} and {}", values[i], low, high));
-      }
     }
     return true;
   }
@@ -149,6 +148,8 @@ bool HasShells(const LayerParams& p) { return p.output == Output::kShells; }
 bool HasFins(const LayerParams& p) { return p.fins; }
 bool HasVertexDown(const LayerParams& p) { return p.sag_free && HasVertexRest(p); }
 bool HasStrandDown(const LayerParams& p) { return p.sag_free && !HasVertexRest(p); }
+bool HasStrandTraits(const LayerParams& p) { return p.traits; }
+bool HasVertexTraits(const LayerParams& p) { return p.traits && HasVertexRest(p); }
 template <uint32_t kPoints>
 bool HasStrandRest(const LayerParams& p) {
   return p.points == kPoints && !HasShells(p);
@@ -156,19 +157,17 @@ bool HasStrandRest(const LayerParams& p) {
 
 bool Checker::CheckSkeleton() {
   const uint64_t general_at = kHeaderBytes + kSectionCount * kSectionEntryBytes;
-  if (!(groom_.unit_scale >= 1e-6f && groom_.unit_scale <= 1e6f)) {
+  if (!(groom_.unit_scale >= 1e-6f && groom_.unit_scale <= 1e6f))
     return FailAt(kSectionNames[0], general_at,
                   Format("unit scale {} is not between 1e-6 and 1e6", groom_.unit_scale));
-  }
   if (groom_.joint_count < 1 || groom_.joint_count > kJointsPerCharacter) {
     return FailAt(
         kSectionNames[0], general_at + 4,
         Format("{} joints; 1 to {} are allowed", groom_.joint_count, kJointsPerCharacter));
   }
-  if (groom_.joint_names.size() != groom_.joint_count) {
+  if (groom_.joint_names.size() != groom_.joint_count)
     return FailSection(groom_.joint_names, Format("{} names for {} joints",
                                                   groom_.joint_names.size(), groom_.joint_count));
-  }
   for (size_t i = 0; i < groom_.joint_names.size(); ++i)
     if (!IsPrintable(groom_.joint_names[i]))
       return Fail(groom_.joint_names, i, nullptr, "a joint's name holds control characters");
@@ -181,10 +180,9 @@ bool Checker::CheckSkeleton() {
   };
   for (uint32_t j = 0; j < kJointsPerCharacter; ++j) {
     const int32_t parent = groom_.skeleton.parent[j];
-    if (parent < -1 || parent >= int32_t(j)) {
+    if (parent < -1 || parent >= int32_t(j))
       return fail(&groom_.skeleton.parent[j],
                   Format("parent {} of joint {} does not come before it", parent, j));
-    }
     for (const float& value : groom_.skeleton.inverse_bind[j]) {
       if (!(std::fabs(value) <= kLargest)) return fail(&value, "not finite, or absurdly large");
     }
@@ -202,9 +200,8 @@ bool Checker::CheckLayout() {
   uint64_t patches = 0, chunks = 0;
   for (size_t i = 0; i < layers.size(); ++i) {
     const GroomLayer& layer = layers[i];
-    if (layer.name.empty() || !IsPrintable(layer.name)) {
+    if (layer.name.empty() || !IsPrintable(layer.name))
       return Fail(layers, i, nullptr, "its name is empty or holds control characters");
-    }
     const std::string bad = FindBadParam(layer.params);
     if (!bad.empty()) return Fail(layers, i, &layer.params.sort_bias, bad);
     const auto follow = [&](std::string_view kind, const uint32_t& first, const uint32_t& count,
@@ -234,7 +231,9 @@ bool Checker::CheckLayout() {
          expect(groom_.fin_edges, Count(kChunks, HasFins)) &&
          expect(groom_.vertex_down, Count(kPatches, HasVertexDown)) &&
          expect(groom_.strand_down, Count(kChunks, HasStrandDown)) &&
-         expect(groom_.strand_rest9, Count(kChunks, HasStrandRest<9>));
+         expect(groom_.strand_rest9, Count(kChunks, HasStrandRest<9>)) &&
+         expect(groom_.vertex_traits, Count(kPatches, HasVertexTraits)) &&
+         expect(groom_.strand_traits, Count(kChunks, HasStrandTraits));
 }
 
 // Patches or chunks of the layers that have the block in question. Of the layers before `end`: the
@@ -257,6 +256,8 @@ bool Checker::CheckPatch(const GroomLayer& layer, uint32_t place, JointSet& used
     return false;
   if (HasVertexDown(layer.params) && !CheckDown(groom_.vertex_down, index(HasVertexDown), vertices))
     return false;
+  if (HasVertexTraits(layer.params) && !CheckBounds(groom_.vertex_traits, index(HasVertexTraits)))
+    return false;
   return !HasShells(layer.params) || CheckBounds(groom_.shell_skin, index(HasShells));
 }
 
@@ -265,16 +266,17 @@ bool Checker::CheckChunk(const GroomLayer& layer, uint32_t place) {
   const StrandBlock& block = groom_.strands[chunk];
   JointSet used;
   if (!CheckHalo(layer, chunk, used) || !CheckStrands(chunk, used)) return false;
-  if (block.first_strand != place * kStrandsPerChunk) {
+  if (block.first_strand != place * kStrandsPerChunk)
     return Fail(groom_.strands, chunk, &block.first_strand,
                 Format("{}, expected {}", block.first_strand, place * kStrandsPerChunk));
-  }
   const auto index = [&](Has has) { return Count(kChunks, has, &layer) + place; };
   if (!HasShells(layer.params) && !WithPoints(layer.params.points, [&]<uint32_t kPoints> {
         // Among blocks of as many points.
         return CheckRest(StrandRestOf<kPoints>(groom_), index(HasStrandRest<kPoints>),
                          block.strand_count);
       }))
+    return false;
+  if (HasStrandTraits(layer.params) && !CheckBounds(groom_.strand_traits, index(HasStrandTraits)))
     return false;
   if (HasFins(layer.params) && !CheckFinEdges(index(HasFins), block.strand_count)) return false;
   return !HasStrandDown(layer.params) ||
@@ -288,10 +290,9 @@ bool Checker::CheckLayer(size_t index) {
   for (uint32_t p = 0; p < layer.patch_count; ++p) {
     JointSet used;
     if (!CheckPatch(layer, p, used)) return false;
-    if ((used & ~moved).any()) {
+    if ((used & ~moved).any())
       return Fail(groom_.layer_joints, index, groom_.layer_joints[index].joint,
                   Format("a joint that moves patch {} is missing", layer.first_patch + p));
-    }
   }
   uint64_t strands = 0;
   float longest = 0.0f;
@@ -301,10 +302,9 @@ bool Checker::CheckLayer(size_t index) {
     strands += block.strand_count;
     for (uint32_t i = 0; i < block.strand_count; ++i) longest = std::max(longest, block.length[i]);
   }
-  if (layer.strand_count != strands) {
+  if (layer.strand_count != strands)
     return Fail(groom_.layers, index, &layer.strand_count,
                 Format("{} strands, its chunks have {}", layer.strand_count, strands));
-  }
   if (!(layer.length_max >= longest * 0.999f && layer.length_max <= kLongest_m)) {
     return Fail(groom_.layers, index, &layer.length_max,
                 Format("{} m; its longest strand has {} m", layer.length_max, longest));
@@ -315,9 +315,8 @@ bool Checker::CheckLayer(size_t index) {
 bool Checker::CheckLayerJoints(size_t index, JointSet& moved) {
   const auto& items = groom_.layer_joints;
   const LayerJointBlock& block = items[index];
-  if (block.count > kJointsPerCharacter) {
+  if (block.count > kJointsPerCharacter)
     return Fail(items, index, &block.count, Format("{} joints", block.count));
-  }
   for (uint32_t i = 0; i < kJointsPerCharacter; ++i) {
     const bool live = i < block.count;
     if (block.joint[i] >= groom_.joint_count || (live && moved[block.joint[i]])) {

@@ -31,7 +31,7 @@ requires(kListedMembers<std::remove_const_t<B>> > 0) void ListFields(auto&& arch
 
 // Whether files of that version have a layer's parameter.
 constexpr bool HasParam(uint32_t version, std::string_view key) {
-  if (key == "dirt_clump" || key == "shell_spacing") return version > 9;
+  if (key == "dirt_clump" || key == "shell_spacing" || key == "traits") return version > 9;
   return version > 8 || key != "chain_share";
 }
 
@@ -182,10 +182,13 @@ uint64_t MeasureItem(const T& item) {
 
 // Sections in file order.
 inline constexpr std::string_view kSectionNames[] = {
-    "general",   "skeleton",    "joint_names",  "layers",       "layer_joints", "mesh",
-    "strands",   "vertex_rest", "strand_rest4", "strand_rest5", "strand_uv",    "shell_skin",
-    "fin_edges", "vertex_down", "strand_rest9", "strand_down",  "halo"};
-inline constexpr uint32_t kSectionCount = 17;
+    "general",     "skeleton",   "joint_names",   "layers",       "layer_joints",
+    "mesh",        "strands",    "vertex_rest",   "strand_rest4", "strand_rest5",
+    "strand_uv",   "shell_skin", "fin_edges",     "vertex_down",  "strand_rest9",
+    "strand_down", "halo",       "vertex_traits", "strand_traits"};
+inline constexpr uint32_t kSectionCount = 19;
+// In files of that version, whose sections are the first of these.
+constexpr uint32_t CountSections(uint32_t version) { return version > 9 ? kSectionCount : 17; }
 inline constexpr uint64_t kSectionNameBytes = 16;
 inline constexpr uint64_t kHeaderBytes = 48;
 inline constexpr uint64_t kSectionEntryBytes = kSectionNameBytes + 8 + 8 + 4 + 4;
@@ -208,6 +211,8 @@ void ListSections(auto&& visit, Like<Groom> auto& groom) {
   visit(kSectionNames[14], groom.strand_rest9);
   visit(kSectionNames[15], groom.strand_down);
   visit(kSectionNames[16], groom.halo);
+  visit(kSectionNames[17], groom.vertex_traits);
+  visit(kSectionNames[18], groom.strand_traits);
 }
 
 }  // namespace pelt::groom_file

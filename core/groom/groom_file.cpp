@@ -155,7 +155,7 @@ bool CheckHeader(std::span<const std::byte> file, const std::string& name, std::
   CheckCapacity(header, "joints a character", kJointsPerCharacter);
   CheckCapacity(header, "weight rows per chunk", kInfluenceRows);
   CheckCapacity(header, "lanes a group", kLaneGroup);
-  CheckCapacity(header, "sections", kSectionCount);
+  CheckCapacity(header, "sections", CountSections(version));
   const auto file_bytes = header.Get<uint64_t>();
   if (file_bytes != file.size()) {
     header.Fail(32, Format("the file should have {} bytes and has {}: it was cut or extended",
@@ -172,8 +172,9 @@ bool CheckHeader(std::span<const std::byte> file, const std::string& name, std::
 bool ReadTable(std::span<const std::byte> file, const std::string& name,
                std::span<Section> sections, std::string& error) {
   Reader table(file, name, "table", kHeaderBytes, file.size(), error);
-  uint64_t expected = kHeaderBytes + kSectionCount * kSectionEntryBytes;
-  for (uint32_t i = 0; i < kSectionCount; ++i) {
+  const uint32_t count = CountSections(table.version());
+  uint64_t expected = kHeaderBytes + count * kSectionEntryBytes;
+  for (uint32_t i = 0; i < count; ++i) {
     const uint64_t at = table.At();
     char wanted[kSectionNameBytes] = {};
     std::memcpy(wanted, kSectionNames[i].data(), kSectionNames[i].size());
@@ -316,7 +317,8 @@ Result<Groom> ReadGroom(std::span<const std::byte> bytes, const std::string& nam
   uint32_t index = 2;
   ListSections(
       [&](std::string_view, auto& items) {
-        if (error.empty()) ReadSection(bytes, name, index, sections[index], items, error);
+        if (error.empty() && sections[index].offset > 0)
+          ReadSection(bytes, name, index, sections[index], items, error);
         ++index;
       },
       groom);

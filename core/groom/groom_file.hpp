@@ -4,8 +4,8 @@
 //      table    for each section: name, offset, bytes, items, bytes of one item
 //      sections general, skeleton, joint_names, layers, layer_joints, mesh, strands, vertex_rest,
 //               strand_rest4, strand_rest5, strand_uv, shell_skin, fin_edges, vertex_down,
-//               strand_rest9, strand_down, halo: in this order, back to back, nothing between or
-//               after
+//               strand_rest9, strand_down, halo, vertex_traits, strand_traits: in this order, back to
+//               back, nothing between or after
 //
 // Everything is little-endian and written field by field from one list (groom_fields.hpp), so the
 // bytes depend on the groom alone: not on the machine's byte order, nor on padding. The hash covers
@@ -29,7 +29,7 @@ namespace pelt {
 
 inline constexpr uint32_t kGroomVersion = 10;
 inline constexpr uint32_t kOldestGroomVersion =
-    8;  // that is read: without LayerParams::chain_share; 9 has no look, dirt_clump, shell_spacing
+    8;  // that is read: without LayerParams::chain_share; 9 has no look, dirt_clump, shell_spacing, traits
 
 // The text of every failure is "groom 'name': section 'mesh', byte 1234: reason"; the byte counts
 // from the start of the file.

@@ -73,6 +73,12 @@ std::optional<BadKey> FindBadCombination(const LayerParams& params) {
   if (params.fins && params.output != Output::kShells) {
     return BadKey{"fins", "they stand between shells: output = \"shells\""};
   }
+  if (params.traits && params.output == Output::kShells) {
+    return BadKey{"traits", "shells have no chains of strands"};
+  }
+  if (params.traits && params.sag_free) {
+    return BadKey{"sag_free", "its strands are held up by the layer's weight: they have no traits"};
+  }
   if (params.painted && params.output == Output::kShells) {
     return BadKey{"painted", "shells have no strands to paint"};
   }

@@ -95,6 +95,8 @@ struct LayerParams {
   float fur_texture_repeat = 4.0f;  // along 0..1 of the skin's coordinates
   uint32_t fur_seed = 1;
   bool fins = false;
+  bool traits =
+      false;       // strands have a TraitBlock; true too where a key gives them traits (HasTraits)
   LayerLook look;  // its entries are those of layer_look.hpp
 };
 
@@ -245,6 +247,8 @@ inline constexpr auto kEntries = std::tuple{
     Entry(&P::fur_seed, kLook, "fur_seed", "", 0, 1e6, "shells: of the texture's random numbers"),
     SwitchEntry(&P::fins, kLook, "fins",
         "shells: edges of the skin that are seen from the side are drawn out along the fur"),
+    SwitchEntry(&P::traits, kMotion, "traits",
+        "room for what strands have of their own, which *_scale, angle_limit, hardness_profile set"),
 };
 // clang-format on
 static_assert(std::tuple_size_v<decltype(kEntries)> + 1 == kMemberCount<LayerParams>,

@@ -199,6 +199,10 @@ void SetupReader::Read(const KeyInfo& info, const toml::node& node, std::vector<
     ReadColour(info, element, values.emplace_back());
   }
 }
+void SetupReader::Read(const KeyInfo& info, const toml::node& node, std::vector<float>& values) {
+  for (const toml::node& element : ExpectArray(info, node, 1, kTraitLinks))
+    values.push_back(float(ReadNumber(info, element)));
+}
 void SetupReader::Read(const KeyInfo& info, const toml::node& node, glm::vec2& value) {
   const toml::array& array = ExpectArray(info, node, 2, 2);
   value = {float(ReadNumber(info, array[0])), float(ReadNumber(info, array[1]))};

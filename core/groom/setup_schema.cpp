@@ -158,6 +158,10 @@ std::span<const KeyEntry<LayerSetup>> Schema() {
             {
                 Count<&L::clump_controls>("clump_controls", 0, 64,
                                           "control strands per chunk, rounded up to 16"),
+                Plain<&L::hardness_profile>("hardness_profile", "[root, .., tip]",
+                                            "pbd, verlet: factor on the hardness of each link's "
+                                            "joint, one for each of its points - 1 links",
+                                            0, 10),
             });
     // What water and dirt do to it.
     AddKeys(keys, KeyGroup::kWeather, {});

@@ -131,6 +131,7 @@ class SetupReader {
   void Read(const KeyInfo&, const toml::node&, std::string&);
   void Read(const KeyInfo&, const toml::node&, std::vector<std::string>&);
   void Read(const KeyInfo&, const toml::node&, std::vector<uint32_t>&);  // colours
+  void Read(const KeyInfo&, const toml::node&, std::vector<float>&);     // of each link
   void Read(const KeyInfo&, const toml::node&, glm::vec2&);              // low, high
   void Read(const KeyInfo&, const toml::node&, glm::vec3&);
   void Read(const KeyInfo&, const toml::node&, std::array<float, 3>&);
