@@ -193,6 +193,7 @@ TEST(Scenarios, TinyRunsEveryKernelThereIs) {
   std::set<std::string_view> ran = KernelsThatRun(LoadScenario("tiny"));
   ran.merge(KernelsThatRun(testing::SagFreeTiny()));
   ran.merge(KernelsThatRun(testing::EveryOutputScenario()));
+  ran.merge(KernelsThatRun(testing::TraitsTiny()));
   for (const FrameEntry& entry : FindKernels(Isa::kReference)->entries)
     EXPECT_TRUE(ran.count(entry.kernel.name)) << entry.kernel.name;
 }

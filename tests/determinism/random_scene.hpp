@@ -69,6 +69,24 @@ inline Scenario RandomScene(Random& random) {
   for (const uint32_t points : {4u, 5u})
     for (const char* solver : {"pbd", "verlet"})
       add("strand", points, fmt::format("solver = '{}'\n", solver));
+  // And with traits.
+  const std::string own =
+      "weight_scale = { value = 1, randomise = 0.9 }\nclump_scale = { value = 1, randomise = 1 }\n"
+      "bounce_scale = { value = 1, randomise = 0.5 }\n";
+  const std::string of_links =
+      own + "stiffness_scale = { value = 1, randomise = 0.9 }\nhardness_profile = [1, 0.5, 2";
+  const std::string limits =
+      "damping_scale = { value = 2, randomise = 1 }\n"
+      "angle_limit = { value = 120, randomise = 0.9 }\n";
+  add("vertex", 4, RandomModal(random, false) + own);
+  for (const uint32_t points : {4u, 5u, 9u})
+    add("strand", points, RandomModal(random, false) + own);
+  add("vertex", 4, "solver = 'pbd'\n" + of_links + "]\n" + limits);
+  for (const uint32_t points : {4u, 5u})
+    for (const char* solver : {"pbd", "verlet"})
+      add("strand", points,
+          fmt::format("solver = '{}'\n{}{}{}", solver, of_links, points == 5 ? ", 0.2]\n" : "]\n",
+                      limits));
   Scenario scenario = LoadScenario(ScenarioRequest{.scene = "tiny", .setup_texts = {text}});
   for (GroomLayer& layer : scenario.grooms[0].layers) {
     layer.params.painted = random.Below(2) == 0;

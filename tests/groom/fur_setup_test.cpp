@@ -80,6 +80,11 @@ std::vector<KeyCase> ListKeyCases() {
       {"quality", "'best'", [](L l) { return l.params.quality == ModalQuality::kBest; }},
       {"curl_follows", "'root'", [](L l) { return l.params.curl_follows == CurlFollows::kRoot; }},
       {"sag_free", "true", [](L l) { return l.params.sag_free; }},
+      {"traits", "true", [](L l) { return l.params.traits; }},
+      {"hardness_profile", "[1, 0.5, 10]\nsolver = 'pbd'",
+       [](L l) {
+         return l.hardness_profile == std::vector<float>{1.0f, 0.5f, 10.0f} && l.params.traits;
+       }},
       {"iterations", "9", [](L l) { return l.params.iterations == 9; }},
       {"clump_controls", "32", [](L l) { return l.clump_controls == 32; }},
       {"backface_cull", "false", [](L l) { return !l.params.backface_cull; }},
@@ -160,9 +165,10 @@ TEST_F(FurSetupTest, EveryAttributeTakesItsTable) {
     const std::string key(entry.info.key);
     std::ostringstream half;
     half << (entry.info.low + entry.info.high) / 2;
-    const auto setup = Read("[[layer]]\nname = 'x'\n" + key + " = { value = " + half.str() +
-                            ", randomise = 0.5, " + "range = [" + half.str() + ", " + half.str() +
-                            "], map = 'maps/m.png', channel = 'g', low = 0.25, high = 3 }");
+    const auto setup =
+        Read("[[layer]]\nname = 'x'\nsolver = 'pbd'\n" + key + " = { value = " + half.str() +
+             ", randomise = 0.5, " + "range = [" + half.str() + ", " + half.str() +
+             "], map = 'maps/m.png', channel = 'g', low = 0.25, high = 3 }");
     const LayerSetup& l = setup.layers[0];
     for (const StrandAttribute& attribute : kStrandAttributes) {
       const Attribute& a = l.*attribute.member;
@@ -282,6 +288,32 @@ TEST_F(FurSetupTest, MapsAreFoundFromTheSetup) {
   folder_.Save("bad.png", "\x89PNG but not really");
   EXPECT_NE(LayerError("mask = { bald = 'bad.png' }").find("not a PNG"), std::string::npos);
   EXPECT_NE(LayerError("mask = { uv = 'maps' }").find("not a file"), std::string::npos);
+}
+
+TEST_F(FurSetupTest, TraitsThatALayerCannotKeepAreRefused) {
+  const auto expect = [&](const std::string& keys, const std::string& reason) {
+    const std::string error = LayerError(keys);
+    EXPECT_NE(error.find(reason), std::string::npos) << keys << ": " << error;
+  };
+  const std::string one_table = "solver = \"modal\" bends a layer's strands by one table";
+  for (const char* key : {"stiffness_scale", "damping_scale"}) {
+    expect(std::string(key) + " = 2", "key '" + std::string(key) + "': " + one_table);
+    expect(std::string(key) + " = { value = 1, randomise = 0.1 }", one_table);
+  }
+  expect("angle_limit = { value = 180, map = 'maps/m.png' }", one_table);
+  expect("hardness_profile = [1, 1, 1]", "key 'hardness_profile': " + one_table);
+  expect("output = 'shells'\nweight_scale = 2", "key 'weight_scale': shells have no chains");
+  expect("sag_free = true\nclump_scale = 2", "key 'clump_scale': strands of a sag_free layer");
+  expect("solver = 'pbd'\nhardness_profile = [1, 1]", "3 factors");
+  expect("solver = 'pbd'\nchain = 'strand'\nhardness_profile = [1, 1, 1]", "4 factors");
+  expect("solver = 'pbd'\nhardness_profile = [1, 1, 11]", "out of bounds");
+  expect("solver = 'pbd'\nangle_limit = 0", "out of bounds");
+  const auto has = [&](const std::string& keys) {
+    return Read("[[layer]]\nname = 'x'\n" + keys).layers[0].params.traits;
+  };
+  EXPECT_TRUE(has("weight_scale = { value = 1, randomise = 0.1 }"));
+  EXPECT_TRUE(has("bounce_scale = { value = 1, map = 'maps/m.png' }"));
+  EXPECT_FALSE(has("stiffness_scale = 1\nclump_scale = { value = 1 }\nangle_limit = 180"));
 }
 
 TEST_F(FurSetupTest, KeyListNamesEveryKey) {

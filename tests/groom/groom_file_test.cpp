@@ -60,6 +60,7 @@ TEST(GroomFile, RoundTripKeepsEveryField) {
   expect_same(back.halo, groom.halo);
   expect_same(back.vertex_down, groom.vertex_down);
   expect_same(back.strand_down, groom.strand_down);
+  expect_same(back.strand_traits, groom.strand_traits);
   expect_same(back.vertex_rest, groom.vertex_rest);
   expect_same(back.strand_rest4, groom.strand_rest4);
   expect_same(back.strand_rest5, groom.strand_rest5);
@@ -76,6 +77,7 @@ TEST(GroomFile, RoundTripKeepsEveryField) {
     EXPECT_EQ(a.params.points, b.params.points);
     EXPECT_EQ(a.params.solver, b.params.solver);
     EXPECT_EQ(a.params.sag_free, b.params.sag_free);
+    EXPECT_EQ(a.params.traits, b.params.traits);
     EXPECT_EQ(a.params.sort_bias, b.params.sort_bias);
     EXPECT_EQ(a.params.dirt_colour, b.params.dirt_colour);
   }
@@ -92,7 +94,7 @@ TEST(GroomFile, RoundTripKeepsEveryLayerParameter) {
         ++fields;
         if (name == "points" || name == "max_distance" || name == "fins" || name == "sag_free")
           return;
-        if (name == "chain_share") return;  // of another kind of chain
+        if (name == "chain_share" || name == "traits") return;  // of another kind of chain
         if constexpr (std::is_same_v<T, float>)
           if (name.starts_with("look_")) {
             field = float(fields) / 128.0f + (name.ends_with("exponent") ? 1.0f : 0.0f);
@@ -140,6 +142,7 @@ TEST(GroomFile, EveryFieldOfEveryBlockIsListed) {
             sizeof(StrandBlock) - sizeof(StrandBlock::pad));
   EXPECT_EQ(groom_file::CountItemBytes(HaloBlock{}), sizeof(HaloBlock));
   EXPECT_EQ(groom_file::CountItemBytes(DownBlock{}), sizeof(DownBlock));
+  EXPECT_EQ(groom_file::CountItemBytes(TraitBlock{}), sizeof(TraitBlock));
   EXPECT_EQ(groom_file::CountItemBytes(RestBlock<4>{}), sizeof(RestBlock<4>));
   EXPECT_EQ(groom_file::CountItemBytes(RestBlock<5>{}), sizeof(RestBlock<5>));
 }
@@ -161,10 +164,10 @@ TEST(GroomFile, BytesAreLittleEndian) {
   EXPECT_EQ(std::memcmp(bytes.data(), "PELTGRM\n", 8), 0);
   EXPECT_EQ(LoadU32(bytes, 8), kGroomVersion);
   EXPECT_EQ(LoadU32(bytes, 12), kStrandsPerChunk);
-  EXPECT_EQ(LoadU32(bytes, 28), 17u);
+  EXPECT_EQ(LoadU32(bytes, 28), 19u);
   EXPECT_EQ(LoadU32(bytes, 32), bytes.size());
   EXPECT_EQ(std::memcmp(bytes.data() + 48, "general\0\0\0\0\0\0\0\0\0", 16), 0);
-  const size_t general = 48 + 17 * 40;
+  const size_t general = 48 + 19 * 40;
   EXPECT_EQ(LoadU32(bytes, 48 + 16), general);
   EXPECT_EQ(bytes[general + 0], std::byte{0x00});
   EXPECT_EQ(bytes[general + 2], std::byte{0x20});
@@ -212,8 +215,9 @@ TEST(GroomFile, OlderFilesAreRead) {
   ASSERT_EQ(LoadU32(older, 8), kOldestGroomVersion);
   Groom groom = ReadGroom(older, path).OrThrow();
   const auto now = WriteGroom(groom).OrThrow();
-  EXPECT_EQ(now.size(),
-            older.size() + (3 * sizeof(float) + sizeof(LayerLook)) * groom.layers.size());
+  constexpr size_t kSectionsSince = 2 * 40;  // empty
+  EXPECT_EQ(now.size(), older.size() + kSectionsSince +
+                            (3 * sizeof(float) + 1 + sizeof(LayerLook)) * groom.layers.size());
   for (const GroomLayer& layer : groom.layers) EXPECT_EQ(layer.params.chain_share, 1.0f);
   EXPECT_EQ(WriteGroom(ReadGroom(now, "now").OrThrow()).OrThrow(), now);
   groom.layers[0].params.chain_share = 0.25f;
@@ -281,6 +285,7 @@ TEST(GroomFile, MessagesNameTheByte) {
       [](Groom& g) -> float& { return g.strand_rest9[1].offset[7][0][2]; },
       [](Groom& g) -> float& { return g.vertex_down[1].down[2][5]; },
       [](Groom& g) -> float& { return g.strand_down[1].down[2][5]; },
+      [](Groom& g) -> float& { return g.strand_traits[2].weight[7]; },
   };
   for (const auto& field : fields) {
     Groom bad = good;
@@ -303,7 +308,7 @@ TEST(GroomFile, MessagesNameTheByte) {
 TEST(GroomFile, DamagedFilesNeverCrash) {
   const auto good = WriteGroom(MakeGroom()).OrThrow();
   std::mt19937 random(99);
-  const size_t table_end = 48 + 17 * 40;
+  const size_t table_end = 48 + 19 * 40;
   int refused = 0, accepted = 0;
   for (int i = 0; i < 4000; ++i) {
     auto bad = good;

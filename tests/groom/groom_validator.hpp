@@ -314,8 +314,9 @@ inline void ExpectLayerJoints(const Groom& groom, const GroomLayer& layer,
 
 // Everything above, of all layers.
 inline void ExpectValidGroom(const Groom& groom) {
-  size_t patch = 0, vertex_rest = 0, vertex_down = 0, shell_skin = 0;
-  size_t chunk = 0, rest4 = 0, rest5 = 0, rest9 = 0, fin_edges = 0, strand_down = 0;
+  size_t patch = 0, vertex_rest = 0, vertex_down = 0, vertex_traits = 0, shell_skin = 0;
+  size_t chunk = 0, rest4 = 0, rest5 = 0, rest9 = 0, fin_edges = 0, strand_down = 0,
+         strand_traits = 0;
   ASSERT_EQ(groom.layer_joints.size(), groom.layers.size());
   for (size_t l = 0; l < groom.layers.size(); ++l) {
     const GroomLayer& layer = groom.layers[l];
@@ -334,6 +335,9 @@ inline void ExpectValidGroom(const Groom& groom) {
       if (on_vertices) ExpectRest(groom.vertex_rest.at(vertex_rest++), mesh.vertex_count);
       if (on_vertices && layer.params.sag_free)
         ExpectDown(groom.vertex_down.at(vertex_down++), mesh.vertex_count);
+      if (on_vertices && layer.params.traits)
+        ExpectAllPadded<kVerticesPerChunk>(groom.vertex_traits.at(vertex_traits++),
+                                           mesh.vertex_count);
       if (layer.params.output == Output::kShells)
         ExpectAllPadded<kVerticesPerChunk>(groom.shell_skin.at(shell_skin++), mesh.vertex_count);
     }
@@ -356,6 +360,9 @@ inline void ExpectValidGroom(const Groom& groom) {
       }
       if (!on_vertices && layer.params.sag_free)
         ExpectDown(groom.strand_down.at(strand_down++), block.strand_count);
+      if (layer.params.traits)
+        ExpectAllPadded<kStrandsPerChunk>(groom.strand_traits.at(strand_traits++),
+                                          block.strand_count);
       strands += block.strand_count;
       for (uint32_t i = 0; i < block.strand_count; ++i)
         longest = std::max(longest, block.length[i]);
@@ -380,6 +387,8 @@ inline void ExpectValidGroom(const Groom& groom) {
   ASSERT_EQ(groom.shell_skin.size(), shell_skin);
   ASSERT_EQ(groom.fin_edges.size(), fin_edges);
   ASSERT_EQ(groom.strand_down.size(), strand_down);
+  ASSERT_EQ(groom.vertex_traits.size(), vertex_traits);
+  ASSERT_EQ(groom.strand_traits.size(), strand_traits);
 }
 
 }  // namespace pelt::test

@@ -89,6 +89,13 @@ inline void FillDown(DownBlock& block) {
   for (uint32_t i = 0; i < kStrandsPerChunk; ++i) block.down[i % 3][i] = i % 2 ? 1.0f : -1.0f;
 }
 
+inline void FillTraits(TraitBlock& block, std::mt19937& random) {
+  for (auto& row : block.stiffness)
+    for (float& value : row) value = DrawFloat(random, 0.0f, 2.0f);
+  for (auto* row : {&block.drag, &block.clump, &block.weight, &block.bounce, &block.least_cosine})
+    for (float& value : *row) value = DrawFloat(random, 0.0f, 1.0f);
+}
+
 template <class T>
 void FillRest(T& rest, std::mt19937& random) {
   for (auto& point : rest.offset) {
@@ -120,6 +127,7 @@ inline Groom MakeGroom() {
     layer.params.points = l == 3 ? 9 : l == 2 ? 5 : 4;
     layer.params.solver = l == 2 ? Solver::kVerlet : l == 1 ? Solver::kPbd : Solver::kModal;
     layer.params.sag_free = l == 0 || l == 3;
+    layer.params.traits = l == 1 || l == 2;
     layer.params.output = l == 0 ? Output::kInstances : Output::kRibbons;
     layer.params.sort_bias = float(l) - 1.0f;
     layer.first_patch = uint32_t(groom.mesh.size());
@@ -149,6 +157,7 @@ inline Groom MakeGroom() {
                   &groom.mesh[layer.first_patch], random);
       for (uint32_t& uv : groom.strand_uv.emplace_back().uv) uv = uint32_t(random());
       if (l == 3) FillDown(groom.strand_down.emplace_back());
+      if (layer.params.traits) FillTraits(groom.strand_traits.emplace_back(), random);
       if (l == 3) {
         FillRest(groom.strand_rest9.emplace_back(), random);
       } else if (l == 2) {

@@ -58,6 +58,31 @@ inline Scenario SagFreeTiny() {
   return kBaked;
 }
 
+// `tiny`, and chains of 9 points, of strands that each have traits of their own.
+inline Scenario TraitsTiny() {
+  static const Scenario kBaked = [] {
+    Scenario scenario = TinyScenario();
+    FurSetup setup = LoadSetup("tiny");
+    LayerSetup longer = setup.layers.back();
+    longer.name = "modal9";
+    longer.params.points = 9;
+    setup.layers.push_back(longer);
+    for (LayerSetup& layer : setup.layers) {
+      for (Attribute* factor : {&layer.weight_scale, &layer.clump_scale, &layer.bounce_scale})
+        factor->randomise = 0.5f;
+      if (layer.params.solver == Solver::kModal) continue;
+      layer.stiffness_scale.randomise = layer.damping_scale.randomise = 1.0f;
+      layer.angle_limit = Attribute(40.0f);
+      layer.angle_limit.randomise = 0.9f;
+      layer.hardness_profile = {1.0f, 0.5f, 2.0f};
+      layer.hardness_profile.resize(layer.params.points - 1, 0.25f);
+    }
+    scenario.grooms[scenario.actors[0].groom] = BakeForActor(scenario, setup);
+    return scenario;
+  }();
+  return kBaked;
+}
+
 inline void SetModalFriction(Scenario& scenario, float friction) {
   for (LayerParams* layer : LayersOf(scenario))
     if (layer->solver == Solver::kModal) layer->friction = friction;
@@ -101,6 +126,8 @@ inline void AddLayers(Scenario& scenario, const char* setup_text) {
   append(groom.vertex_down, added.vertex_down);
   append(groom.strand_down, added.strand_down);
   append(groom.strand_rest9, added.strand_rest9);
+  append(groom.vertex_traits, added.vertex_traits);
+  append(groom.strand_traits, added.strand_traits);
 }
 
 // A layer of shells on the character's head, behind the layers that there are.
