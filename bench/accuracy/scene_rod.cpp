@@ -29,6 +29,7 @@ std::string_view WhyNoRod(const LayerParams& params) {
   if (params.inertia != 1.0f || params.inertia_turn != 1.0f || params.inertia_speed > 0.0f)
     return "inertia that is not felt";
   if (params.sag_free && params.chain == ChainKind::kVertex) return "chains at vertices held up";
+  if (params.traits) return "traits of single strands";
   if (!(LayerRod(params, {}, 1.0f, false).frequency_hz > 0.0)) return "no stiffness";
   return {};
 }

@@ -87,9 +87,8 @@ bool HasTraits(const LayerSetup& layer) {
 std::optional<BadKey> FindBadTrait(const LayerSetup& layer) {
   const LayerParams& params = layer.params;
   constexpr std::string_view kOneTable =
-      "solver = \"modal\" bends a layer's strands by one table: set strength, give them a layer of "
-      "their own, "
-      "or use solver = \"pbd\" or \"verlet\"";
+      "solver = \"modal\" bends a layer's strands by one table: set strength, give them a layer "
+      "of their own, or use solver = \"pbd\" or \"verlet\"";
   const auto find = [&](std::string_view key, bool of_links) -> std::optional<BadKey> {
     if (params.output == Output::kShells) return BadKey{key, "shells have no chains of strands"};
     if (params.sag_free) return BadKey{key, "strands of a sag_free layer have no traits"};

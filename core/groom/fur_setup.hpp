@@ -114,9 +114,8 @@ struct LayerSetup {
   // What strands have of their own (StrandTraits).
   Attribute stiffness_scale{1.0f}, damping_scale{1.0f}, clump_scale{1.0f}, weight_scale{1.0f},
       bounce_scale{1.0f};
-  Attribute angle_limit{180.0f};  // degrees
-  std::vector<float>
-      hardness_profile;  // factor on the hardness of each link's joint, root first; empty: 1
+  Attribute angle_limit{180.0f};        // degrees
+  std::vector<float> hardness_profile;  // factor on each joint's hardness, root first; empty: 1
   std::vector<CombVector> comb;
   float comb_normal_weight = 0.5f;  // how strongly a differing normal weakens a comb vector, 0..1
   std::string comb_joint;  // outside every reach: along this joint's direction; empty: azimuth and

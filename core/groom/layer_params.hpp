@@ -95,9 +95,8 @@ struct LayerParams {
   float fur_texture_repeat = 4.0f;  // along 0..1 of the skin's coordinates
   uint32_t fur_seed = 1;
   bool fins = false;
-  bool traits =
-      false;       // strands have a TraitBlock; true too where a key gives them traits (HasTraits)
-  LayerLook look;  // its entries are those of layer_look.hpp
+  bool traits = false;  // strands have a TraitBlock: where a key gives them traits, or room is kept
+  LayerLook look;       // its entries are those of layer_look.hpp
 };
 
 // How a parameter gets into the frame's LayerBlock; what takes more than that is worked out in

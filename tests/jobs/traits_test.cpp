@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cstring>
+
 #include "core/kernels/frame_table.hpp"
 #include "platform_sim/local_store.hpp"
 #include "tests/jobs/tiny_scene.hpp"
@@ -49,6 +51,29 @@ TEST(Traits, OfOneLeaveWhatIsDrawn) {
   ASSERT_GT(plain.size(), 10'000u);
   EXPECT_TRUE(DrawnBy(roomy) == plain);
   EXPECT_FALSE(DrawnBy(TraitsTiny()) == plain);
+}
+
+TEST(Traits, AreThoseOfTheGroomThatReplacesAnother) {
+  Scenario scenario = TraitsTiny(), changed = TraitsTiny();
+  Groom& groom = changed.grooms[0];
+  for (auto* blocks : {&groom.vertex_traits, &groom.strand_traits})
+    for (TraitBlock& own : *blocks)
+      for (float& weight : own.weight) weight *= 0.5f;
+  RunningScenario run(scenario, {});
+  RunFrame(run, 0);
+  ASSERT_TRUE(run.scene().ReplaceGrooms(changed.ActorGrooms()));
+  const FrameMemory& memory = run.scene().memory();
+  const auto expect = [](const TraitBlock* found, const TraitBlock& wanted) {
+    EXPECT_EQ(std::memcmp(found, &wanted, sizeof wanted), 0);
+  };
+  ASSERT_EQ(groom.strand_traits.size(), run.scene().shape().chunk_count);
+  for (uint32_t c = 0; c < groom.strand_traits.size(); ++c)
+    expect(memory.Of<&Streams::strand_traits>(c), groom.strand_traits[c]);
+  size_t next = 0;
+  for (uint32_t p = 0; p < run.scene().shape().patch_count; ++p)
+    if (const TraitBlock* found = memory.Of<&Streams::vertex_traits>(p))
+      expect(found, groom.vertex_traits.at(next++));
+  EXPECT_EQ(next, groom.vertex_traits.size());
 }
 
 // A layer of every solver and chain with these keys.

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "core/exact_math.hpp"
 #include "core/kernels/frame_table.hpp"
@@ -31,19 +32,14 @@ TraitBlock PlainTraits() {
 template <uint32_t kPoints>
 void Step(const std::string& kernel, const TraitBlock* own, ChainScene<kPoints>& s,
           Isa isa = BestIsa()) {
+  std::vector<Binding> blocks = {BindOne(s.layer), BindOne(s.state), BindOne(s.rest),
+                                 BindOne(s.roots), BindOne(s.wind)};
+  if (kernel != "simulate_pbd_vertex") blocks.push_back(BindOne(s.strands));
+  blocks.insert(blocks.end(), {BindOne(s.position), BindOne(s.previous)});
+  if (own) blocks.push_back(BindOne(*own));
   const KernelDesc& run = *FindKernels(isa)->Find(own ? kernel + "_traits" : kernel);
-  const bool at_vertices = kernel == "simulate_pbd_vertex";
-  if (at_vertices && own)
-    RunOnBlocks(run, &s.params, s.layer, s.state, s.rest, s.roots, s.wind, s.position, s.previous,
-                *own);
-  else if (at_vertices)
-    RunOnBlocks(run, &s.params, s.layer, s.state, s.rest, s.roots, s.wind, s.position, s.previous);
-  else if (own)
-    RunOnBlocks(run, &s.params, s.layer, s.state, s.rest, s.roots, s.wind, s.strands, s.position,
-                s.previous, *own);
-  else
-    RunOnBlocks(run, &s.params, s.layer, s.state, s.rest, s.roots, s.wind, s.strands, s.position,
-                s.previous);
+  ASSERT_EQ(run.ports.size(), blocks.size());
+  run.run(&s.params, blocks.data());
   s.state.flags &= ~uint32_t(kChunkRestart);
 }
 
@@ -157,8 +153,7 @@ TEST(Traits, DragIsWhatALayersWouldBe) {
     TraitBlock own = PlainTraits();
     std::fill(std::begin(own.drag), std::end(own.drag), drag);
     for (int frame = 0; frame < 30; ++frame) {
-      MoveRoots(*of_lanes, frame < 10 ? 0.01f : 0.0f, 0.0f, 0.0f);
-      MoveRoots(*of_layer, frame < 10 ? 0.01f : 0.0f, 0.0f, 0.0f);
+      for (auto* s : {&*of_lanes, &*of_layer}) MoveRoots(*s, frame < 10 ? 0.01f : 0.0f, 0, 0);
       Step("simulate_pbd_4", &own, *of_lanes);
       Step("simulate_pbd_4", nullptr, *of_layer);
     }
