@@ -223,10 +223,10 @@ PELT_BLOCK DownBlock { float down[3][kStrandsPerChunk]; };
 // and bounce.
 inline constexpr uint32_t kTraitLinks = 4;
 PELT_BLOCK TraitBlock {
-  float stiffness[kTraitLinks]
-                 [kStrandsPerChunk];  // factor on the hardness of each link's joint, root first
-  float drag[kStrandsPerChunk];       // more than the layer's, 1/s
-  float clump[kStrandsPerChunk];      // factor on the layer's, as are weight and bounce
+  // Factor on the hardness of each link's joint, root first.
+  float stiffness[kTraitLinks][kStrandsPerChunk];
+  float drag[kStrandsPerChunk];   // more than the layer's, 1/s
+  float clump[kStrandsPerChunk];  // factor on the layer's, as are weight and bounce
   float weight[kStrandsPerChunk];
   float bounce[kStrandsPerChunk];
   // Least cosine between a link and where the one above it would carry it from the groom; below -1: any.

@@ -132,7 +132,7 @@ struct FrameStart {
     }
   }
 
-  // `hold`: null where nothing is held up; `own`: where lanes weigh what the layer does.
+  // `hold`: null where nothing is held up; `own`: null where all lanes weigh what the layer does.
   template <class At>
   static PELT_INLINE void LoadAxis(const Ports& ports, const TraitBlock* own, const At& at,
                                    uint32_t k, const Group& g, const Vec3<W> (&rest)[N],
