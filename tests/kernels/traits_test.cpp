@@ -135,7 +135,7 @@ TEST(Traits, ActOnTheirLaneAlone) {
       const double off =
           Length(At(s->position.position[3], lane) - At(plain->position.position[3], lane));
       if (lane == kLane)
-        EXPECT_GT(off, 1e-4) << &change - changes;
+        EXPECT_GT(off, 1e-5) << &change - changes;
       else
         EXPECT_EQ(off, 0.0) << &change - changes << ", lane " << lane;
     }
