@@ -100,17 +100,16 @@ PELT_BLOCK LayerBlock {
   float tip_width;   // width at the tip over width at the root
   float sort_bias;   // layers are drawn in ascending bias
   float length_max;  // longest strand, m: widens the bounds
-  float darken;      // multiplies the colours (wet, dirty)
+  float darken;      // multiplies the colours (wet); painted: of a soaked strand's, what is left
   float dirt_colour[3];  // mixed into the colours, sRGB-encoded 0..1
-  float dirt;            // how much
+  float dirt;            // how much; painted: at least, of each strand
   uint32_t strand_count;
   float max_distance;  // modal: of a point from the groom, share of its distance along the strand;
                        // 0: no limit
   float wetness;       // lit layers: 0 dry to 1 soaked
-  // Painted layers, whose colours are left dry and clean: weather is in the strands' looks.
-  float mud;          // dirt of the weather
-  float wet_darken;   // share of the brightness that is left of a soaked strand
-  float frame_ratio;  // modal: this frame's length over the last one's
+  float importance;    // factor on the size on the screen that LOD sees; 0: off
+  float sort_place;    // of the point whose depth is the sort key, from root 0 to tip 1
+  float frame_ratio;   // modal: this frame's length over the last one's
 };
 
 // Where a layer is whose character has an origin of its own: all of the layer's places are relative

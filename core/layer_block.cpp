@@ -37,13 +37,14 @@ float ShareOfDepth(float hardness, double push_ratio) {
 }
 
 // `changed` itself is not compared, nor what only says that lights changed, that brushes came, or
-// what is known of the roots, or that still air is computed.
+// what is known of the roots, or that still air is computed, nor what LOD alone sees.
 bool Differ(const LayerBlock& a, const LayerBlock& b) {
   constexpr uint32_t kOfOthers =
       kLayerRelight | kLayerBrushed | kLayerRates | kLayerRatesGiven | kLayerWind;
   LayerBlock x = a, y = b;
   x.changed = y.changed = 0;
   x.frame_ratio = y.frame_ratio = 0.0f;
+  x.importance = y.importance = 0.0f;
   x.flags &= ~kOfOthers, y.flags &= ~kOfOthers;
   return std::memcmp(&x, &y, sizeof x) != 0;
 }
@@ -118,16 +119,13 @@ LayerBlock FillLayerBlock(const LayerParams& params, const Weather& weather, flo
   b.clump += (1.0f - b.clump) * Saturate(params.dirt_clump) * Saturate(weather.dirt);
   b.scale = scale;
   b.length_max = scale == 1.0f ? length_max : scale * length_max;
-  b.darken = Mix(1.0f, Saturate(params.wet_darken), wet);
+  // Painted layers' colours are left dry and clean: weather is in the strands' looks.
+  b.darken =
+      params.painted ? Saturate(params.wet_darken) : Mix(1.0f, Saturate(params.wet_darken), wet);
   for (int k = 0; k < 3; ++k) b.dirt_colour[k] = Saturate(params.dirt_colour[k]);
   b.dirt = Saturate(weather.dirt);
   if (params.lit) b.wetness = wet;
-  if (params.painted) {
-    b.mud = b.dirt;
-    b.wet_darken = Saturate(params.wet_darken);
-    b.dirt = 0.0f;
-    b.darken = 1.0f;
-  }
+  b.importance = 1.0f;
   b.strand_count = strand_count;
   b.flags = LayerKind(params) | LeastChainLevel(params) << kLayerChainLevelShift;
   if (b.flags & kLayerModal) SetModal(params, dt, last, b);

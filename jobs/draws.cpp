@@ -46,7 +46,7 @@ LayerDraw MakeDraw(const FrameMemory& memory, VertexOrder vertex_order, uint32_t
   draw.tip_width = params.tip_width;
   draw.wet_darken = 1.0f;
   if (shape.layer_kind[layer] & kLayerPainted) {
-    draw.wet_darken = params.wet_darken;
+    draw.wet_darken = params.darken;
     std::copy_n(params.dirt_colour, 3, draw.mud_colour);
   }
   if (shape.layer_kind[layer] & kLayerLit) draw.light = memory.Of<&Streams::layer_light>(layer);

@@ -50,7 +50,7 @@ glm::vec4 SkinPaint(const FurScene& scene, uint32_t chunk, uint32_t strand) {
   const glm::vec3 normal(roots.normal[0][strand], roots.normal[1][strand], roots.normal[2][strand]);
   glm::vec4 seen =
       SeenPaint(PaintOf(memory.Of<&Streams::looks>(chunk)->record[strand]), normal, kMeanNoise);
-  seen.z *= 1.0f - layer.wet_darken;
+  seen.z *= 1.0f - layer.darken;
   return seen;
 }
 

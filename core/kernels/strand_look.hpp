@@ -62,7 +62,7 @@ struct LayerTint {
 template <class V>
 PELT_INLINE LayerTint<V> MakeTint(const LayerBlock& layer) {
   LayerTint<V> tint{};
-  tint.changes = layer.darken != 1.0f || layer.dirt > 0.0f;
+  tint.changes = !(layer.flags & kLayerPainted) && (layer.darken != 1.0f || layer.dirt > 0.0f);
   if (!tint.changes) return tint;
   tint.scale = layer.darken * (1.0f - layer.dirt);
   for (int k = 0; k < 3; ++k) tint.add[k] = V(layer.dirt * layer.dirt_colour[k] * 255.0f);

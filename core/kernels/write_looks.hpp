@@ -73,7 +73,7 @@ PELT_INLINE typename V::Int WeatherAmounts(const LayerBlock& layer) {
   const V wet(layer.wetness * 255.0f + 0.5f);
   const typename V::Int wet_byte = Truncate(wet) << 16;
   if constexpr (!kPainted) return wet_byte;
-  const V mud(layer.mud * 255.0f + 0.5f);
+  const V mud(layer.dirt * 255.0f + 0.5f);
   return wet_byte | Truncate(mud);
 }
 
@@ -98,7 +98,7 @@ struct WriteLooks {
     using I = typename V::Int;
     const uint32_t lanes = RoundUpToLaneGroups(ports.state->live_strands);
     const I weather = WeatherAmounts<V, kPainted>(*ports.layer);
-    [[maybe_unused]] const bool is_fair = ports.layer->wetness == 0.0f && ports.layer->mud == 0.0f;
+    [[maybe_unused]] const bool is_fair = ports.layer->wetness == 0.0f && ports.layer->dirt == 0.0f;
     LookRecord* const record = ports.looks->record;
     for (uint32_t lane = 0; lane < lanes; lane += V::kLanes) {
       const I normal = PackOctahedral(Load3<V>(ports.roots->normal, lane));

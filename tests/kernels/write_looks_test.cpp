@@ -106,7 +106,7 @@ TEST(WriteLooks, HandsOnPlacesAndWetness) {
 TEST(WriteLooks, PaintAndWeatherAreOnStrandsTogether) {
   Scene scene = MakeScene(kStrandsPerChunk, 3);
   scene.layer.wetness = 0.5f;  // 128
-  scene.layer.mud = 0.2f;      // 51
+  scene.layer.dirt = 0.2f;     // 51
   const LookBlock looks = scene.RunPainted<ArrayVec<4>>(), plain = scene.Run<ArrayVec<4>>();
   uint32_t more = 0;
   for (uint32_t s = 0; s < kStrandsPerChunk; ++s) {
@@ -123,7 +123,7 @@ TEST(WriteLooks, PaintAndWeatherAreOnStrandsTogether) {
   scene.layer.wetness = 0.0f;
   EXPECT_EQ(scene.RunPainted<ArrayVec<4>>().record[0].amounts & 255,
             std::max(scene.paint.amounts[0] & 255, 51u));
-  scene.layer.mud = 0.0f;
+  scene.layer.dirt = 0.0f;
   const LookBlock fair = scene.RunPainted<ArrayVec<4>>();
   for (uint32_t s = 0; s < kStrandsPerChunk; ++s)
     EXPECT_EQ(fair.record[s].amounts, scene.paint.amounts[s]);
@@ -154,7 +154,7 @@ TEST(WriteLooks, SameRecordsOnEveryVector) {
   for (const uint32_t live : {1u, 15u, 17u, 64u}) {
     Scene scene = MakeScene(live, live);
     scene.layer.wetness = 0.3f;
-    scene.layer.mud = 0.6f;
+    scene.layer.dirt = 0.6f;
     ExpectOnEveryVector(
         scene.Run<ArrayVec<4>>(), [&]<class V> { return scene.Run<V>(); }, live);
     ExpectOnEveryVector(
