@@ -382,6 +382,10 @@ uint32_t pelt_ribbon_indices(const uint32_t* order, uint32_t strand_count, uint3
 
 uint32_t pelt_shell_indices(const PeltScene* scene, uint32_t layer, uint32_t* indices,
                             uint32_t room) {
+uint32_t pelt_shadow_places(PeltScene* scene, uint32_t layer, uint32_t* places, uint32_t room) {
+  return scene ? scene->scene->ShadowPlaces(layer, {places, places ? room : 0}) : 0;
+}
+
   if (!scene) return 0;
   const pelt::ShellDraw shells = pelt::FindShells(scene->scene->memory(), layer);
   return pelt::WriteShellIndices(shells, {indices, indices ? room : 0});

@@ -93,6 +93,23 @@ PointBlock<4> CopyChainPoints(const FrameMemory& memory, uint32_t patch) {
   const ModalTableBlock& table = *memory.Of<&Streams::modal_tables>(number);
   const RestBlock<4>& rest_block = *memory.Of<&Streams::vertex_rest>(patch);
   const ModalStateBlock<N>& state = *memory.Of<&Streams::vertex_modal>(patch);
+uint32_t FindShadowPlaces(const FrameMemory& memory, VertexOrder vertex_order, uint32_t layer,
+                          float share, std::span<uint32_t> places) {
+  const SceneShape& shape = *memory.shape;
+  if (layer >= shape.layer_count || (shape.layer_kind[layer] & kLayerShells)) return 0;
+  const uint32_t first = shape.layer_first_chunk[layer];
+  const uint32_t* const order = memory.Of<&Streams::order>(first)->strand;
+  const uint32_t drawn = memory.Of<&Streams::layer_sort>(layer)->visible_count;
+  uint32_t count = 0;
+  for (uint32_t i = 0; i < drawn; ++i) {
+    const uint32_t chunk = first + order[i] / kStrandsPerChunk;
+    if (!IsAmongFirst(*memory.Of<&Streams::chunk_state>(chunk), order[i], share)) continue;
+    if (count < places.size()) places[count] = vertex_order == VertexOrder::kSorted ? i : order[i];
+    ++count;
+  }
+  return count;
+}
+
   PointBlock<4> points;
   for (uint32_t lane = 0; lane < kVerticesPerChunk; lane += V::kLanes) {
     chain::Group<V, N> g;

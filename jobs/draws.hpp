@@ -95,6 +95,13 @@ constexpr uint32_t CurvePieces(float longest_px) {
 // Of a frame that has run; `draws` has room for the scene's layers.
 void FindDraws(const FrameMemory& memory, VertexOrder vertex_order, std::vector<LayerDraw>& draws);
 uint32_t CopyCurves(const FrameMemory& memory, uint32_t layer, std::span<StrandCurve> out);
+// Whether a strand of a chunk is among the share of its living ones that stand for all: their first, which cover
+// the chunk evenly.
+constexpr bool IsAmongFirst(const ChunkStateBlock& chunk, uint32_t strand, float share) {
+  return float(strand % kStrandsPerChunk) < share * float(chunk.live_strands);
+}
+uint32_t FindShadowPlaces(const FrameMemory& memory, VertexOrder vertex_order, uint32_t layer,
+                          float share, std::span<uint32_t> places);
 // Where the points behind the roots of a patch's chains at mesh vertices are. Of modal ones the frame keeps the state
 // alone, and they are worked out here.
 PointBlock<4> CopyChainPoints(const FrameMemory& memory, uint32_t patch);

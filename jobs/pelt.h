@@ -394,6 +394,11 @@ typedef struct PeltFin {
 } PeltFin;
 
 /* The fins that are seen in the last frame, of a layer with `fins = true`. Returns how many there are,
+/* What a shadow pass draws of a layer whose setup says `shadow_share`: places of strands in the draw's vertices, in
+ * drawing order, to be as many times wider as there are fewer than the draw's strand_count. Returns how many
+ * there are, and writes what there is room for. */
+uint32_t pelt_shadow_places(PeltScene* scene, uint32_t layer, uint32_t* places, uint32_t room);
+
  * none of other layers and while a frame is begun or runs, and writes what there is room for. */
 uint32_t pelt_fins(PeltScene* scene, uint32_t layer, PeltFin* fins, uint32_t room);
 

@@ -417,6 +417,12 @@ std::vector<uint8_t> FurScene::FurTexture(uint32_t layer, uint32_t& side) const 
 }
 
 uint32_t FurScene::LiveStrands() const {
+uint32_t FurScene::ShadowPlaces(uint32_t layer, std::span<uint32_t> places) const {
+  if (!phase_.IsDone() || restored_ || layer >= shape().layer_count) return 0;
+  const FloatEnvironment guard;
+  return FindShadowPlaces(memory_, options_.vertex_order, layer, ShadowShare(layer), places);
+}
+
   uint32_t live = 0;
   for (uint32_t c = 0; c < shape().chunk_count; ++c)
     live += memory_.Of<&Streams::chunk_state>(c)->live_strands;

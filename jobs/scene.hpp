@@ -219,6 +219,7 @@ class FurScene {
 
   // How the layer takes light, as long as the scene lives; another groom's may be another.
   const LayerLook& Look(uint32_t layer) const { return layer_params_[layer].look; }
+  float ShadowShare(uint32_t layer) const { return layer_params_[layer].shadow_share; }
 
   // What to draw of the last frame that was run, in drawing order: jobs/draws.hpp. Empty while a
   // frame is begun or runs. The list is the scene's, and good until the next call.
@@ -229,6 +230,12 @@ class FurScene {
 
   // The texture that a layer's shells are cut from: texels of one byte, `side` in each row; empty for
   // other layers. The same whenever it is asked for: once, when the scene is made.
+  // What a shadow pass draws of the layer, whose setup says `shadow_share`: places of strands in
+  // LayerDraw::vertices, in drawing order, each to be as many times wider as there are fewer than
+  // LayerDraw::strand_count. Returns how many there are, none of a layer that is not in Draws(), and
+  // writes those there is room for.
+  uint32_t ShadowPlaces(uint32_t layer, std::span<uint32_t> places) const;
+
   std::vector<uint8_t> FurTexture(uint32_t layer, uint32_t& side) const;
 
   // Lanes of the block of `item` that hold values of the last frame run.

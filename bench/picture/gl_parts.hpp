@@ -86,17 +86,18 @@ class GlStrands {
   GlStrands(const GlApi& gl, const PictureScene& scene);
 
   size_t layers() const { return layers_.size(); }
-  // By a program of the layer's output, in use from here on: strips of two corners at each knot, or lines.
+  // By a program of the layer's output, in use from here on: strips of two corners at each knot; or lines, of what
+  // casts shadows.
   void DrawStrips(const std::vector<GlProgram>& programs, size_t layer) const;
-  void DrawLines(const std::vector<GlProgram>& programs, size_t layer) const;
+  void DrawShadows(const std::vector<GlProgram>& programs, size_t layer) const;
 
  private:
   struct Layer {
-    GlTexture vertices, roots, looks;
-    size_t output = 0;  // its place in GlPrograms' lists
-    GLsizei strands = 0, knots = 0;
+    GlTexture vertices, roots, looks, shadow_roots;  // the last of those alone that cast shadows
+    size_t output = 0;                               // its place in GlPrograms' lists
+    GLsizei strands = 0, casting = 0, knots = 0;
     uint32_t actor = 0, first_strand = 0;
-    float tip_width = 1.0f;
+    float tip_width = 1.0f, shadow_width = 1.0f;
     bool is_lit = false;
     PaintLook paint = kDefaultPaint;
   };

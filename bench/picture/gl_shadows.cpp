@@ -80,7 +80,7 @@ void GlShadows::DrawMap(const GlPrograms& programs, const PictureScene& scene,
   skin.Set("character", actor);
   bodies.DrawSkin(actor);
   for (size_t layer = 0; layer < strands.layers(); ++layer)
-    if (scene.actors[layer] == actor) strands.DrawLines(programs.strand_shadow, layer);
+    if (scene.actors[layer] == actor) strands.DrawShadows(programs.strand_shadow, layer);
   const GlProgram& shell = programs[GlPrograms::kShellShadow];
   shell.Use();
   shell.Set("character", actor);

@@ -58,19 +58,29 @@ struct RootTexels {
   glm::vec3 root;
   float depth;  // Hair::DepthOfLight
   glm::vec3 normal;
-  uint32_t strand;  // of the layer, with kCard
+  uint32_t strand;  // of the layer, with kCard; in shadow maps the place among the vertices
 };
 constexpr uint32_t kCard = 1u << 31;
 static_assert(sizeof(RootTexels) == 32);
 
+RootTexels RootOf(const Hair& hair, uint32_t strand) {
+  return {hair.root, hair.DepthOfLight(), hair.normal, strand | (hair.is_card ? kCard : 0u)};
+}
+
 std::vector<RootTexels> RootsOf(const LayerDraw& draw, const std::vector<Hair>& hairs) {
   std::vector<RootTexels> roots;
   roots.reserve(hairs.size());
-  for (size_t place = 0; place < hairs.size(); ++place) {
-    const Hair& hair = hairs[place];
-    roots.push_back({hair.root, hair.DepthOfLight(), hair.normal,
-                     draw.order[place] | (hair.is_card ? kCard : 0u)});
-  }
+  for (size_t place = 0; place < hairs.size(); ++place)
+    roots.push_back(RootOf(hairs[place], draw.order[place]));
+  return roots;
+}
+
+std::vector<RootTexels> ShadowRootsOf(const LayerDraw& draw, const std::vector<Hair>& hairs,
+                                      bool in_strand_order) {
+  std::vector<RootTexels> roots;
+  for (uint32_t place = 0; place < hairs.size(); ++place)
+    if (hairs[place].shadow > 0.0f)
+      roots.push_back(RootOf(hairs[place], in_strand_order ? draw.order[place] : place));
   return roots;
 }
 
@@ -93,17 +103,24 @@ GlStrands::GlStrands(const GlApi& gl, const PictureScene& scene)
 
 GlStrands::Layer GlStrands::Upload(const LayerDraw& draw, const std::vector<Hair>& hairs) const {
   if (hairs.empty())
-    return {.vertices = GlTexture(gl_), .roots = GlTexture(gl_), .looks = GlTexture(gl_)};
+    return {.vertices = GlTexture(gl_),
+            .roots = GlTexture(gl_),
+            .looks = GlTexture(gl_),
+            .shadow_roots = GlTexture(gl_)};
   const std::vector<RootTexels> roots = RootsOf(draw, hairs);
+  const std::vector<RootTexels> casting = ShadowRootsOf(draw, hairs, in_strand_order_);
   return {.vertices = UploadTexels(gl_, draw.vertices),
           .roots = UploadTexels(gl_, std::as_bytes(std::span(roots))),
           .looks = UploadTexels(gl_, std::as_bytes(draw.looks)),
+          .shadow_roots = UploadTexels(gl_, std::as_bytes(std::span(casting))),
           .output = ProgramOf(draw.output, hairs),
           .strands = GLsizei(draw.strand_count),
+          .casting = GLsizei(casting.size()),
           .knots = GLsizei(hairs.front().knots),
           .actor = hairs.front().actor,
           .first_strand = hairs.front().number - draw.order.front(),
           .tip_width = draw.tip_width,
+          .shadow_width = casting.empty() ? 1.0f : float(hairs.size()) / float(casting.size()),
           .is_lit = !draw.looks.empty(),
           .paint = PaintLookOf(draw)};
 }
@@ -129,10 +146,16 @@ void GlStrands::DrawStrips(const std::vector<GlProgram>& programs, size_t layer)
   gl_.DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 2 * layers_[layer].knots, layers_[layer].strands);
 }
 
-void GlStrands::DrawLines(const std::vector<GlProgram>& programs, size_t layer) const {
-  if (!layers_[layer].strands) return;
-  Bind(programs, layers_[layer]);
-  gl_.DrawArraysInstanced(GL_LINE_STRIP, 0, layers_[layer].knots, layers_[layer].strands);
+void GlStrands::DrawShadows(const std::vector<GlProgram>& programs, size_t layer) const {
+  const Layer& cast = layers_[layer];
+  if (!cast.casting) return;
+  Bind(programs, cast);
+  const GlProgram& program = programs[cast.output];
+  BindTexture(gl_, kRootsUnit, GL_TEXTURE_2D, cast.shadow_roots);
+  program.Set("in_strand_order", 1);
+  program.Set("is_lit", 0);
+  program.Set("shadow_width", cast.shadow_width);
+  gl_.DrawArraysInstanced(GL_LINE_STRIP, 0, cast.knots, cast.casting);
 }
 
 }  // namespace pelt

@@ -51,7 +51,14 @@ constexpr void (*kReaders[])(const LayerDraw&, uint32_t strand, Hair&) = {ReadCu
                                                                           ReadLine, nullptr};
 static_assert(std::size(kReaders) == kOutputCount);
 
-Hair ReadHair(const FurScene& scene, VertexOrder order, const LayerDraw& draw, uint32_t place) {
+// How much wider shadow passes draw what they draw (FurScene::ShadowPlaces).
+float ShadowWidth(const FurScene& scene, const LayerDraw& draw) {
+  const uint32_t casting = scene.ShadowPlaces(draw.layer, {});
+  return casting ? float(draw.strand_count) / float(casting) : 1.0f;
+}
+
+Hair ReadHair(const FurScene& scene, VertexOrder order, const LayerDraw& draw, uint32_t place,
+              float shadow) {
   const SceneShape& shape = scene.shape();
   const uint32_t strand = draw.order[place], lane = strand % kStrandsPerChunk;
   const uint32_t chunk = shape.layer_first_chunk[draw.layer] + strand / kStrandsPerChunk;
@@ -66,6 +73,9 @@ Hair ReadHair(const FurScene& scene, VertexOrder order, const LayerDraw& draw, u
   }
   if (!draw.looks.empty()) hair.paint = PaintOf(draw.looks[strand]);
   hair.paint_look = PaintLookOf(draw);
+  const bool casts = IsAmongFirst(*scene.memory().Of<&Streams::chunk_state>(chunk), strand,
+                                  scene.ShadowShare(draw.layer));
+  hair.shadow = casts ? shadow : 0.0f;
   kReaders[size_t(draw.output)](draw, order == VertexOrder::kSorted ? place : strand, hair);
   return hair;
 }
@@ -93,8 +103,9 @@ std::vector<std::vector<Hair>> ReadHairs(const FurScene& scene, VertexOrder orde
   for (const LayerDraw& draw : scene.Draws()) {
     std::vector<Hair>& hairs = layers.emplace_back();
     hairs.reserve(draw.strand_count);
+    const float shadow = ShadowWidth(scene, draw);
     for (uint32_t place = 0; place < draw.strand_count; ++place)
-      hairs.push_back(ReadHair(scene, order, draw, place));
+      hairs.push_back(ReadHair(scene, order, draw, place, shadow));
   }
   return layers;
 }

@@ -33,6 +33,7 @@ struct Hair {
   glm::vec3 root, normal;  // on the skin
   glm::vec4 paint;         // amounts, none of a layer that is not lit
   PaintLook paint_look;
+  float shadow = 1.0f;  // how much wider it is in shadow maps; 0: another stands for it there
 
   float Alpha() const { return float(base_colour >> 24) / 255.0f; }
   // How far above the skin light is whole: the tip's height, or for hair that lies flat a share of its length.

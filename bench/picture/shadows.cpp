@@ -195,9 +195,9 @@ SceneShadows::SceneShadows(const PictureScene& scene)
   }
   for (const auto& hairs : scene.layers)
     for (const Hair& hair : hairs)
-      for (uint32_t k = 1; k < hair.knots; ++k)
-        maps_[hair.actor].AddHair(hair.knot[k - 1].at, hair.knot[k].at, hair.knot[k].width,
-                                  hair.Opacity());
+      for (uint32_t k = 1; k < hair.knots && hair.shadow > 0.0f; ++k)
+        maps_[hair.actor].AddHair(hair.knot[k - 1].at, hair.knot[k].at,
+                                  hair.knot[k].width * hair.shadow, hair.Opacity());
   for (size_t i = 0; i < scene.draws.size(); ++i)
     AddShells(scene.draws[i], scene.textures[i], maps_[scene.actors[i]]);
   for (ShadowMap& map : maps_) map.Soften(kSoftTexels);

@@ -31,7 +31,9 @@ requires(kListedMembers<std::remove_const_t<B>> > 0) void ListFields(auto&& arch
 
 // Whether files of that version have a layer's parameter.
 constexpr bool HasParam(uint32_t version, std::string_view key) {
-  if (key == "dirt_clump" || key == "shell_spacing" || key == "traits") return version > 9;
+  for (const std::string_view added :
+       {"dirt_clump", "shell_spacing", "sort_place", "shadow_share", "traits"})
+    if (key == added) return version > 9;
   return version > 8 || key != "chain_share";
 }
 

@@ -39,6 +39,8 @@ enum class Output : uint8_t { kInstances, kRibbons, kLines, kShells };
 struct LayerParams {
   bool enabled = true;
   float sort_bias = 0.0f;
+  float sort_place = 0.75f;   // along the strand, root 0 to tip 1: of the depth that orders strands
+  float shadow_share = 1.0f;  // of the strands that are drawn: what shadow passes draw, the wider
   Solver solver = Solver::kModal;
   ChainKind chain = ChainKind::kVertex;
   // Vertex chains: share of them that is simulated, rounded up to a half, a quarter or an eighth; the others
@@ -156,6 +158,10 @@ inline constexpr auto kEntries = std::tuple{
     SwitchEntry(&P::enabled, kLayer, "enabled", "baked but not run when false"),
     Entry(&P::sort_bias, kLayer, "sort_bias", "", -1000, 1000, "layers are drawn in ascending bias",
         &B::sort_bias),
+    Entry(&P::sort_place, kLayer, "sort_place", "", 0, 1,
+        "place along the strand, from root to tip, whose depth orders it among others", &B::sort_place),
+    Entry(&P::shadow_share, kLook, "shadow_share", "", 0.01, 1,
+        "share of the strands that are drawn into shadow maps, as much wider as they are fewer"),
     WordEntry(&P::solver, kLayer, "solver", kSolverWords, "how chains are simulated"),
     WordEntry(&P::chain, kLayer, "chain", kChainWords,
         "chains at mesh vertices, or one for each strand"),

@@ -1,8 +1,8 @@
 // The depth a strand is sorted by, and whether it is drawn at all.
 //
-// Depth is that of the point three quarters down the strand, along the view direction: nearer to
-// where a strand's pixels are than its root, steadier than its tip. The key is the depth's float
-// bits, remapped so that unsigned order is far to near:
+// Depth is that of the point at the layer's `sort_place` on the strand, along the view direction: unless a setup says
+// another, three quarters down, nearer to where a strand's pixels are than its root, steadier than its tip. The key is
+// the depth's float bits, remapped so that unsigned order is far to near:
 //
 //   bits of +x: 0 ......... 0x7f7fffff   ->  bits ^ 0x7fffffff   (larger depth, smaller key)
 //   bits of -x: 0x80000000 .. 0xff7fffff ->  bits                (behind the eye, after everything)
@@ -49,14 +49,20 @@ struct SortKey {
     InOut<&Streams::sort_keys> keys;
   };
 
-  // Point at t = 0.75 on the polyline: 2.25 segments of 3, 3 of 4, 6 of 8.
-  static PELT_INLINE Vec3<V> ThreeQuarterPoint(const PointBlock<kPoints>& points, uint32_t lane) {
-    if constexpr (kPoints % 4 == 1) {
-      return Load3<V>(points.position[(kPoints - 1) / 4 * 3 - 1], lane);
-    } else {
-      return Load3<V>(points.position[1], lane) * V(0.75f) +
-             Load3<V>(points.position[2], lane) * V(0.25f);
-    }
+  // A share of the polyline: of the segment from point `from` on a share of its own.
+  struct Place {
+    uint32_t from;
+    float share;
+  };
+  static PELT_INLINE Place FindPlace(float along) {
+    const float segments = along * float(kPoints - 1);
+    uint32_t from = uint32_t(segments);
+    if (from > kPoints - 2) from = kPoints - 2;
+    return {from, segments - float(from)};
+  }
+  static PELT_INLINE Vec3<V> LoadPoint(const Ports& ports, uint32_t i, uint32_t lane) {
+    return i == 0 ? Load3<V>(ports.roots->position, lane)
+                  : Load3<V>(ports.points->position[i - 1], lane);
   }
 
   static void Run(const Params& p, const Ports& ports) {
@@ -73,7 +79,12 @@ struct SortKey {
     Mask differs = I(0) < I(0);
     uint32_t lane = 0;
     for (; lane < live; lane += V::kLanes) {
-      const Vec3<V> point = ThreeQuarterPoint(*ports.points, lane);
+      Vec3<V> point = LoadPoint(ports, place.from, lane);
+      if (place.share != 0.0f) {
+        const Vec3<V> next = LoadPoint(ports, place.from + 1, lane);
+        const Vec3<V> before = point * V(1.0f - place.share), behind = next * V(place.share);
+        point = before + behind;
+      }
       const V depth = Clamp(Dot(point - eye, forward), V(-3.0e38f), V(3.0e38f));
       Mask culled = !(I::Iota(int32_t(lane)) < I(int32_t(live)));
       if (cull) {
@@ -88,6 +99,7 @@ struct SortKey {
     for (; lane < kStrandsPerChunk; lane += V::kLanes) {
       differs = differs | !(I::Load(keys + lane) == I(int32_t(kCulledKey)));
       I(int32_t(kCulledKey)).Store(keys + lane);
+    const Place place = FindPlace(ports.layer->sort_place);
     }
 
     uint32_t visible = 0;

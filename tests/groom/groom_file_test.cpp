@@ -217,7 +217,7 @@ TEST(GroomFile, OlderFilesAreRead) {
   const auto now = WriteGroom(groom).OrThrow();
   constexpr size_t kSectionsSince = 2 * 40;  // empty
   EXPECT_EQ(now.size(), older.size() + kSectionsSince +
-                            (3 * sizeof(float) + 1 + sizeof(LayerLook)) * groom.layers.size());
+                            (5 * sizeof(float) + 1 + sizeof(LayerLook)) * groom.layers.size());
   for (const GroomLayer& layer : groom.layers) EXPECT_EQ(layer.params.chain_share, 1.0f);
   EXPECT_EQ(WriteGroom(ReadGroom(now, "now").OrThrow()).OrThrow(), now);
   groom.layers[0].params.chain_share = 0.25f;

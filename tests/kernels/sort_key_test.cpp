@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -24,6 +25,7 @@ struct World {
     std::mt19937 random(seed);
     layer[0].flags = kLayerBackFaceCull;
     layer[0].backface_tolerance = 0.2f;
+    layer[0].sort_place = 0.75f;
     state[0].flags = kChunkVisible;
     state[0].live_strands = live;
     for (uint32_t s = 0; s < kStrandsPerChunk; ++s) {
@@ -45,11 +47,13 @@ struct World {
   }
   double Depth(uint32_t s) const {
     double depth = 0.0;
+    const double along = double(layer[0].sort_place) * (kPoints - 1);
+    const uint32_t from = std::min(uint32_t(along), kPoints - 2);
     for (int a = 0; a < 3; ++a) {
-      const double p =
-          kPoints == 5   ? double(points[0].position[2][a][s])
-          : kPoints == 9 ? double(points[0].position[5][a][s])
-                         : 0.75 * points[0].position[1][a][s] + 0.25 * points[0].position[2][a][s];
+      const auto point = [&](uint32_t i) {
+        return double(i == 0 ? roots[0].position[a][s] : points[0].position[i - 1][a][s]);
+      };
+      const double p = point(from) + (along - from) * (point(from + 1) - point(from));
       depth += (p - params.eye[a]) * params.forward[a];
     }
     return depth;
@@ -68,8 +72,10 @@ struct World {
 template <uint32_t kPoints>
 void CheckAgainstReference() {
   uint32_t drawn = 0, culled = 0;
+  constexpr float kPlaces[] = {0.75f, 0.0f, 1.0f, 0.4f, 0.9f};
   for (uint32_t seed = 0; seed < 50; ++seed) {
     World<kPoints> w(seed);
+    w.layer[0].sort_place = kPlaces[seed % 5];
     w.Run();
     for (uint32_t s = 0; s < kStrandsPerChunk; ++s) {
       const double margin = w.Facing(s) + 0.2;

@@ -240,6 +240,27 @@ TEST(Picture, WhatNoLightReachesIsBlackBesideWhatIsLit) {
   EXPECT_EQ(light.OnActor(1).room, light.OnActor(0).room);
 }
 
+// Fewer strands in shadow maps, each as many times wider.
+TEST(Picture, ShadowsOfAShareOfTheStrandsAreAsDense) {
+  const auto covered = [](float share, uint32_t& casting) {
+    Scenario scenario = TinyScenario();
+    for (LayerParams* layer : LayersOf(scenario)) layer->shadow_share = share;
+    Drawn drawn(VertexOrder::kSorted, scenario);
+    double sum = 0.0;
+    casting = 0;
+    for (const std::vector<Hair>& hairs : ReadHairs(drawn.running.scene(), VertexOrder::kSorted))
+      for (const Hair& hair : hairs) {
+        casting += hair.shadow > 0.0f;
+        sum += double(hair.shadow * hair.knot[0].width);
+      }
+    return sum;
+  };
+  uint32_t all = 0, some = 0;
+  const double whole = covered(1.0f, all), part = covered(0.25f, some);
+  EXPECT_NEAR(double(some) / all, 0.25, 0.05);
+  EXPECT_NEAR(part / whole, 1.0, 0.1);
+}
+
 // On hair and on the skin below it, where the brush was and nowhere else.
 TEST(Picture, PaintIsOnHairAndSkin) {
   Scenario scenario = EveryOutputScenario();

@@ -9,6 +9,7 @@
 // After: passes/strand.glsl
 uniform int character;
 uniform float map_side;  // texels
+uniform float shadow_width;  // how many strands each stands for
 
 out float from_front;
 out float covered;
@@ -19,7 +20,7 @@ void main() {
   vec4 ball = BallOf(character);
   vec3 at = ToMap(knot.at, ball, map_side);
   from_front = at.z;
-  covered = min(knot.width * 0.5 * map_side / ball.w, 1.0) * knot.colour.a;
+  covered = min(knot.width * shadow_width * 0.5 * map_side / ball.w, 1.0) * knot.colour.a;
 #ifdef CARDS
   if (strand.strip >= 0) covered *= StripShare(uint(strand.strip));
 #endif
