@@ -23,6 +23,8 @@ struct Weather {
 // What is simulated how: PBD, Verlet, and the modal solver by ModalQuality.
 inline constexpr uint32_t kSolverTiers = 5;
 
+inline constexpr float kLeastImportance = 0.01f, kMostImportance = 100.0f;
+
 // Core time that fur in view takes, ns: of a machine (`pelt calibrate`), or of an engine's own profile.
 struct FurCosts {
   float chunk_ns = 0.0f;   // of a chunk of strands and of a patch of vertices, alive or not
@@ -106,6 +108,10 @@ struct FrameInput {
   uint32_t capsule_count = 0;  // of `capsule`
   CapsuleCollider capsule[kCapsulesPerScene];
   std::span<const Weather> weather;  // one a character; empty: dry and clean
+  // One a layer; empty: 1 each. A factor on its size on the screen as level of detail and budgets see it, which
+  // take from what is less important first: kLeastImportance to kMostImportance. 0: the layer is off, as if out
+  // of view; it starts from its groom when it is on again.
+  std::span<const float> importance;
   Lighting lighting;
   uint32_t brush_count = 0;            // of `brush`
   PaintBrush brush[kBrushesPerScene];  // one after the other: the last has the last word

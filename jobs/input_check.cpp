@@ -179,6 +179,19 @@ const char* FindLodFault(const LodSettings& lod) {
   return nullptr;
 }
 
+// Writes the reason to `text`; null where there is none.
+const char* FindLayerFault(const FrameInput& in, const SceneShape& shape, std::string& text) {
+  if (!in.importance.empty() && in.importance.size() != shape.layer_count)
+    return Say(text, "importance of {} layers, the scene has {}", in.importance.size(),
+               shape.layer_count);
+  for (size_t l = 0; l < in.importance.size(); ++l)
+    if (const float x = in.importance[l];
+        x != 0.0f && !IsWithin(x, kLeastImportance, kMostImportance))
+      return Say(text, "importance of layer {} is {}, neither 0 nor in [{}, {}]", l, x,
+                 kLeastImportance, kMostImportance);
+  return nullptr;
+}
+
 }  // namespace
 
 bool AreUsable(const float* values, size_t count) {
@@ -204,6 +217,7 @@ const char* FindInputFault(const FrameInput& in, const SceneShape& shape, const 
   if (const char* what = FindLightingFault(in.lighting, text)) return what;
   if (const char* what = FindBrushFault(in, text)) return what;
   if (const char* what = FindLodFault(in.lod)) return fault("lod: {}", what);
+  if (const char* what = FindLayerFault(in, shape, text)) return what;
   if (!in.weather.empty() && in.weather.size() != shape.character_count)
     return fault("weather for {} characters, the scene has {}", in.weather.size(),
                  shape.character_count);

@@ -21,11 +21,11 @@ double LanesOf(uint32_t count, uint32_t blocks, const Live& live) {
   return double(blocks) * RoundUpToLaneGroups(live((count + blocks - 1) / blocks));
 }
 
-// ns, with `scale` of the strands that the layer asks for; of its chains what LOD leaves then.
+// ns, with what `scale` leaves of the strands that the layer asks for; of its chains what LOD leaves then.
 double NsOf(const LayerDemand& layer, ModalQuality quality, const LodSettings& lod, bool thins,
             float scale) {
   if (!(layer.wanted > 0.0f)) return 0.0;
-  const float share = std::min(layer.wanted * scale, 1.0f);
+  const float share = layer.wanted * std::min(scale * layer.importance, 1.0f);
   const bool chains_thin = thins && layer.on_vertices;
   const uint32_t level = std::max(
       chains_thin ? select_lod_detail::LevelOf(share, lod.least_chains) : 0, layer.chain_level);
@@ -51,6 +51,10 @@ class Chooser {
           std::vector<uint32_t>& order)
       : layers_(layers), lod_(lod), thins_(thins), order_(order) {
     order_.clear();
+    float least = 1.0f;
+    for (const LayerDemand& layer : layers_)
+      if (layer.wanted > 0.0f) least = std::min(least, layer.importance);
+    whole_ = WholeScale(least);
     for (uint32_t l = 0; l < layers_.size(); ++l)
       if (!IsLowered(layers_[l], lod_.fast_quality_px) && IsLowered(layers_[l], lod_.worst_px))
         order_.push_back(l);
@@ -63,13 +67,13 @@ class Chooser {
   // The least error up to which layers must be in `fast` for the frame to cost `ns` at most, all that are
   // allowed when none does.
   float LeastPx(double ns) const {
-    double sum = Ns(lod_.fast_quality_px, 1.0f);
+    double sum = Ns(lod_.fast_quality_px, whole_);
     float px = lod_.fast_quality_px;
     for (const uint32_t l : order_) {
       if (sum <= ns) break;
       const LayerDemand& layer = layers_[l];
-      sum += NsOf(layer, ModalQuality::kFast, lod_, thins_, 1.0f) -
-             NsOf(layer, layer.quality, lod_, thins_, 1.0f);
+      sum += NsOf(layer, ModalQuality::kFast, lod_, thins_, whole_) -
+             NsOf(layer, layer.quality, lod_, thins_, whole_);
       // Past the rounding of who asks (QualityOnScreen).
       px = std::min(float(std::sqrt(layer.fast_px2) * 1.000001), lod_.worst_px);
     }
@@ -83,11 +87,12 @@ class Chooser {
                   scale);
     return sum;
   }
+  float whole() const { return whole_; }
   // The largest found that costs `ns` at most; the least where none does. More strands never cost less.
   float LargestScale(float px, double ns) const {
-    if (Ns(px, 1.0f) <= ns) return 1.0f;
-    float low = kLeastScale, high = 1.0f;
-    for (int halving = 0; halving < 12; ++halving) {
+    if (Ns(px, whole_) <= ns) return whole_;
+    float low = kLeastScale, high = whole_;
+    while (high - low > 1.0f / 4096) {
       const float middle = 0.5f * (low + high);
       (Ns(px, middle) <= ns ? low : high) = middle;
     }
@@ -98,6 +103,7 @@ class Chooser {
   std::span<const LayerDemand> layers_;
   const LodSettings& lod_;
   const bool thins_;
+  float whole_ = 1.0f;  // the scale that leaves all strands
   std::vector<uint32_t>& order_;
 };
 
@@ -111,7 +117,7 @@ LodBudget FindLodBudget(std::span<const LayerDemand> layers, const LodSettings& 
   const Chooser chooser(layers, lod, thins, order);
   found.fast_px = chooser.LeastPx(budget);
   found.keep_fast_px = std::max(found.fast_px, chooser.LeastPx(kBand * budget));
-  if (thins) found.scale = chooser.LargestScale(found.fast_px, budget);
+  found.scale = thins ? chooser.LargestScale(found.fast_px, budget) : chooser.whole();
   found.ns = chooser.Ns(found.fast_px, found.scale);
   return found;
 }

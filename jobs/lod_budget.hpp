@@ -33,14 +33,15 @@ struct LayerDemand {
   uint32_t chain_level = 0;  // the least that it has
   Solver solver = Solver::kModal;
   ModalQuality quality = ModalQuality::kFast;  // that it asks for
-  float wanted = 0.0f;    // share of its strands, by its size on the screen; 0: out of view
+  float wanted = 0.0f;  // share of its strands, by its size on the screen; 0: out of view
+  float importance = 1.0f;
   double fast_px2 = 0.0;  // typical error of `fast` on the screen, px^2
 };
 
 struct LodBudget {
   float fast_px = 0.0f;       // typical error up to which `fine` is simulated in `fast`
   float keep_fast_px = 0.0f;  // of layers that are
-  float scale = 1.0f;         // of every layer's share of strands
+  float scale = 1.0f;         // as BudgetScale's (core/kernels/select_lod.hpp)
   double ns = 0.0;            // what `costs` say of the choice; 0 without a budget
 };
 

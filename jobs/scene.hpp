@@ -271,7 +271,12 @@ class FurScene {
   void FillPausedFrame(const FrameInput& input);
   // Of set `s` of parameters, for an input that is relative to its characters' origin.
   bool FillLights(uint32_t s, const FrameInput& input);
-  void FillParams(uint32_t s, const FrameInput& given, const FrameInput& input, Air air);
+  void FillParams(uint32_t s, const FrameInput& given, const FrameInput& input, Air air,
+                  float budget_scale);
+  float StrandScale(const LodSettings& lod) const;
+  static float ImportanceOf(uint32_t layer, const FrameInput& input) {
+    return input.importance.empty() ? 1.0f : input.importance[layer];
+  }
   bool FillView(uint32_t s, const FrameInput& input, const SelectLodParams& lod);
   void FillLayers(const FrameInput& input, Air air);
   ModalQuality LayerQuality(uint32_t layer, const FrameInput& input) const;

@@ -74,7 +74,9 @@ void FurScene::FillFrame(const FrameInput& input) {
   });
   FindBudget(input);
   FillLayers(input, air);
-  ForEachSet(input, [&](uint32_t s, const FrameInput& in) { FillParams(s, input, in, air); });
+  const float scale = StrandScale(input.lod);
+  ForEachSet(input,
+             [&](uint32_t s, const FrameInput& in) { FillParams(s, input, in, air, scale); });
   first_frame_ = false;
   last_dt_s_ = StepOf(input);
 }
@@ -83,6 +85,14 @@ void FurScene::FillFrame(const FrameInput& input) {
 uint32_t FurScene::SwitchesOf(const SkipSettings& skip) const {
   return memory_.restored ? 0u : SwitchBits(skip);
 }
+// What both budgets leave (select_lod.hpp).
+float FurScene::StrandScale(const LodSettings& lod) const {
+  const float scale =
+      BudgetScale({memory_.Of<&Streams::lod>(0), shape().layer_count},
+                  {memory_.Of<&Streams::layers>(0), shape().layer_count}, lod.strand_budget);
+  return lod.budget_us > 0 ? std::min(budget_.scale, scale) : scale;
+}
+
 
 void FurScene::ForEachSet(const FrameInput& input, auto&& fill) {
   if (origins_.empty()) return fill(0u, input);
@@ -196,10 +206,13 @@ void FurScene::FillLayers(const FrameInput& input, Air air) {
       block.frame_ratio = float(last_dt_s_ > 0.0 ? dt_s / FrameInHistory(last_dt_s_) : 1.0);
     }
   }
+    block.importance = ImportanceOf(l, input);
+    if (block.importance == 0.0f) block.flags &= ~uint32_t(kLayerEnabled);
 }
 
 // This frame's view, relative to last frame's origin, as the last boxes are: this frame's come with its poses, in
-// the frame. The last eye is not used, or a pause's would change what comes after it.
+// the frame. The last eye is not used, or a pause's would change what comes after it. Sizes are times the
+// layer's importance.
 View FurScene::LayerView(uint32_t layer, const FrameInput& in) const {
   const uint32_t set = SetOf(layer);
   View view = ViewFrom(set, in);
@@ -209,6 +222,8 @@ View FurScene::LayerView(uint32_t layer, const FrameInput& in) const {
 }
 
 ModalQuality FurScene::LayerQuality(uint32_t layer, const FrameInput& in) const {
+  const float importance = ImportanceOf(layer, in);
+  if (importance > 0.0f) view.pixels_per_unit_at_1m *= importance;
   const ModalQuality asked = layer_params_[layer].quality, last = modal_[layer].quality();
   if (first_frame_) return asked;
   return QualityOnScreen(asked, last, LayerView(layer, in), *memory_.Of<&Streams::bounds>(layer),
@@ -231,7 +246,8 @@ void FurScene::FindBudget(const FrameInput& in) {
                      .chain_level = LeastChainLevel(params),
                      .solver = params.solver,
                      .quality = params.quality,
-                     .wanted = lod.visible ? lod.wanted : 0.0f};
+                     .wanted = lod.visible && ImportanceOf(l, in) > 0.0f ? lod.wanted : 0.0f,
+                     .importance = ImportanceOf(l, in)};
       if (lod.visible && params.quality == ModalQuality::kFine)
         demands_[l].fast_px2 =
             FastErrorPx2(LayerView(l, in), *memory_.Of<&Streams::bounds>(l),
@@ -273,7 +289,8 @@ bool FurScene::FillView(uint32_t s, const FrameInput& in, const SelectLodParams&
   return changed;
 }
 
-void FurScene::FillParams(uint32_t s, const FrameInput& given, const FrameInput& in, Air air) {
+void FurScene::FillParams(uint32_t s, const FrameInput& given, const FrameInput& in, Air air,
+                          float budget_scale) {
   FrameParams& to = params_[s];
   SelectLodParams lod{};
   lod.view = ViewFrom(s, in);
@@ -283,10 +300,7 @@ void FurScene::FillParams(uint32_t s, const FrameInput& given, const FrameInput&
   lod.fade_share = in.lod.fade_share;
   lod.least_chains = in.lod.least_chains;
   lod.flags = (in.skip.lod ? kLodOn : 0u) | (in.skip.cull ? kCullOn : 0u);
-  lod.budget_scale =
-      std::min(budget_.scale, BudgetScale({memory_.Of<&Streams::lod>(0), shape().layer_count},
-                                          {memory_.Of<&Streams::layers>(0), shape().layer_count},
-                                          in.lod.strand_budget));
+  lod.budget_scale = budget_scale;
   const bool view_changed = FillView(s, in, lod);
   std::copy_n(lod.view.eye, 3, to.select_shells.eye);
   to.select_shells.all = in.skip.lod ? 0 : 1;

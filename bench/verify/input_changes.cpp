@@ -21,7 +21,7 @@ namespace {
 [[maybe_unused]] void EveryInputIsListed(const FrameInput& in) {
   [[maybe_unused]] const auto& [dt, time, origin, camera, wind, gravity, use_ground, ground,
                                 ground_speed, spheres, sphere, sphere_speed, capsules, capsule,
-                                weather, lighting, brushes, brush, lod, skip] = in;
+                                weather, importance, lighting, brushes, brush, lod, skip] = in;
   [[maybe_unused]] const auto& [centre, brush_radius, hardness, channel, amount] = brush[0];
   [[maybe_unused]] const auto& [from, to, radius, character, joint, from_speed, to_speed] =
       capsule[0];

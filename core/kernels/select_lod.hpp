@@ -4,9 +4,9 @@
 // planes against the box corner farthest along each: may keep a box that is outside, never drops
 // one that is inside). The share follows the size of the box on the screen:
 //
-//   size_px = box diagonal * pixels_per_unit_at_1m / distance from the eye to the box
+//   size_px = importance * box diagonal * pixels_per_unit_at_1m / distance from the eye to the box
 //   wanted  = clamp(size_px / full_detail_pixels, min_fraction, 1)      stored for the budget
-//   target  = min(wanted * budget_scale, 1)
+//   target  = wanted * min(budget_scale * importance, 1)
 //
 // so a layer never loses strands by coming nearer or growing. `fraction` follows `target` only when
 // they differ by more than hysteresis * fraction, when the layer comes into view, or when target
@@ -51,7 +51,7 @@ struct SelectLodParams {
   float full_detail_pixels;  // on-screen box diagonal from which all strands live, px
   float min_fraction;        // least share a visible layer asks for, before the budget, 0..1
   float hysteresis;          // share of the present fraction a change must exceed, 0..1
-  float budget_scale;        // from BudgetScale, 0..1
+  float budget_scale;        // from BudgetScale
   float fade_share;          // share of the living strands that fade, 0..1
   float least_chains;        // least share of a layer's chains that are simulated, 0..1
   uint32_t flags;            // SelectLodFlag
@@ -82,7 +82,8 @@ PELT_INLINE bool IsVisible(const SelectLodParams& p, const LayerBlock& layer,
 
 // Share of strands the box's size on the screen asks for.
 template <class V>
-PELT_INLINE float WantedFraction(const SelectLodParams& p, const BoundsBlock& box) {
+PELT_INLINE float WantedFraction(const SelectLodParams& p, float importance,
+                                 const BoundsBlock& box) {
   float diagonal2 = 0.0f, distance2 = SquaredDistance(p.view.eye, box);
   for (int axis = 0; axis < 3; ++axis) {
     const float edge = box.high[axis] - box.low[axis];
@@ -91,7 +92,7 @@ PELT_INLINE float WantedFraction(const SelectLodParams& p, const BoundsBlock& bo
   const float near2 = p.view.near_m * p.view.near_m;
   if (distance2 < near2) distance2 = near2;
   const float diagonal = Sqrt(V(diagonal2))[0], distance = Sqrt(V(distance2))[0];
-  const float size_px = diagonal * p.view.pixels_per_unit_at_1m;
+  const float size_px = diagonal * p.view.pixels_per_unit_at_1m * importance;
   const float full_px = p.full_detail_pixels * distance;
   if (size_px >= full_px) return 1.0f;  // also when full_detail_pixels is 0
   const float wanted = size_px / full_px;
@@ -137,20 +138,41 @@ PELT_INLINE float FollowTarget(float present, float target, float hysteresis) {
 
 }  // namespace select_lod_detail
 
-// Scale on every layer's wanted share that keeps the strands of all visible layers within the
-// budget, from last frame's LOD blocks; 1 when they fit or when the budget is 0 (none). Reads
-// `wanted`, which the budget does not act on, so that it settles at once and cannot swing. Living
-// strands may exceed the budget by the hysteresis band and by one strand per chunk. Called on the
-// caller's thread; both spans have one entry a layer.
+// A scale by which no layer loses a strand, where the least important one's importance is `least`.
+PELT_INLINE float WholeScale(float least) { return least < 1.0f ? 2.0f / least : 1.0f; }
+
+// What times a layer's importance is the share that it keeps of the strands that it wants, all of them from 1 on,
+// such that the strands of all visible layers stay within the budget, from last frame's LOD blocks; WholeScale
+// when they fit or when the budget is 0 (none). Reads `wanted`, which the budget does not act on, so
+// that it settles at once and cannot swing. Living strands may exceed the budget by the hysteresis
+// band and by one strand per chunk. Called on the caller's thread; both spans have one entry a layer.
 PELT_INLINE float BudgetScale(std::span<const LodBlock> lod, std::span<const LayerBlock> layers,
                               uint32_t strand_budget) {
-  if (strand_budget == 0) return 1.0f;
-  double strands = 0.0;
-  for (size_t i = 0; i < lod.size() && i < layers.size(); ++i) {
-    if (layers[i].flags & kLayerShells) continue;
-    if (lod[i].visible) strands += double(lod[i].wanted) * double(layers[i].strand_count);
+  // Strands with `scale`: of layers that keep all of theirs, and of the others for each 1 of it.
+  double whole = 0.0, shared = 0.0, scale = 0.0;
+  float least = 1.0f;
+  const auto sum = [&] {
+    whole = shared = 0.0;
+    for (size_t i = 0; i < lod.size() && i < layers.size(); ++i) {
+      const float importance = layers[i].importance;
+      if (importance > 0.0f && importance < least) least = importance;
+      if ((layers[i].flags & kLayerShells) || !lod[i].visible) continue;
+      const double strands = double(lod[i].wanted) * double(layers[i].strand_count);
+      if (scale * double(importance) >= 1.0)
+        whole += strands;
+      else
+        shared += strands * double(importance);
+    }
+  };
+  sum();
+  // Of those that keep all there are more at each turn, until there are no more.
+  while (strand_budget != 0 && shared > 0.0) {
+    const double larger = (double(strand_budget) - whole) / shared;
+    if (larger <= scale) return float(scale);
+    scale = larger;
+    sum();
   }
-  return strands > double(strand_budget) ? float(double(strand_budget) / strands) : 1.0f;
+  return WholeScale(least);
 }
 
 template <class V>
@@ -183,14 +205,17 @@ struct SelectLod {
     LodBlock& lod = *ports.lod;
     const bool shells = (ports.layer->flags & kLayerShells) != 0;
     if (!(p.flags & kLodOn) || shells) {
-      const bool reached = !(p.flags & kLodOn) || !shells ||
-                           CountShells(SquaredDistance(p.view.eye, *ports.bounds), 1) != 0;
+      const bool reached =
+          !(p.flags & kLodOn) || !shells ||
+          CountShells(ShellDistance2(p.view.eye, *ports.layer, *ports.bounds), 1) != 0;
       lod.wanted = lod.fraction = reached ? 1.0f : 0.0f;
       lod.fade = 0.0f;
       return;
     }
-    lod.wanted = WantedFraction<V>(p, *ports.bounds);
-    const float scaled = lod.wanted * p.budget_scale;
+    const float importance = ports.layer->importance;
+    lod.wanted = WantedFraction<V>(p, importance, *ports.bounds);
+    const float left = p.budget_scale * importance;
+    const float scaled = left < 1.0f ? lod.wanted * left : lod.wanted;
     const float present = lod.was_visible ? lod.fraction : 0.0f;
     lod.fraction = FollowTarget(present, scaled < 1.0f ? scaled : 1.0f, p.hysteresis);
     const float fade = p.fade_share * lod.fraction, room = 1.0f - lod.fraction;

@@ -1,14 +1,14 @@
 // How many shells a layer is drawn with, and what each of them is: the four numbers of an instance.
 //
-//   count = min(most, floor(40 m / d)),  d from the eye to the layer's box
+//   count = min(most, floor(40 m / d)),  d from the eye to the layer's box, over its importance
 //
 // so 40 shells up to a metre, 8 at five, 1 at forty, and none beyond (select_lod then leaves the
 // whole layer out). Shell i of n stands at h = (i + 1) / n, lets light down by k + (1 - k) h, and is
 // drawn where the texture is above i / n: the hairs that reach into the gap below it, so that the
 // last shell, at h = 1, has its share of them.
 //
-// Invariant: the count is found without a root or a division, so that a table of whole metres is
-// met exactly; what lies behind it in the table is zero.
+// Invariant: the count is found without a root, and where the importance is 1 without a rounding, so that a
+// table of whole metres is met exactly; what lies behind it in the table is zero.
 #pragma once
 
 #include <string_view>
@@ -31,6 +31,12 @@ PELT_INLINE uint32_t CountShells(float squared_distance, uint32_t most) {
   return count;
 }
 
+// As far as the layer's importance has it, squared.
+PELT_INLINE float ShellDistance2(const float (&eye)[3], const LayerBlock& layer,
+                                 const BoundsBlock& box) {
+  return SquaredDistance(eye, box) / (layer.importance * layer.importance);
+}
+
 struct SelectShellsParams {
   float eye[3];  // m
   uint32_t all;  // not 0: as many as there may be, at any distance
@@ -41,6 +47,7 @@ struct SelectShells {
   static constexpr std::string_view kName = "select_shells";
   using Params = SelectShellsParams;
   struct Ports {
+    In<&Streams::layers> params;
     In<&Streams::lod> lod;
     In<&Streams::bounds> bounds;
     In<&Streams::shell_layers> layer;
@@ -58,7 +65,8 @@ struct SelectShells {
   static void Run(const Params& p, const Ports& ports) {
     const ShellLayerBlock& layer = *ports.layer;
     ShellLodBlock& out = *ports.shells;
-    const float squared = p.all != 0 ? 0.0f : SquaredDistance(p.eye, *ports.bounds);
+    const bool any = p.all == 0 && ports.lod->visible != 0;
+    const float squared = any ? ShellDistance2(p.eye, *ports.params, *ports.bounds) : 0.0f;
     const uint32_t count = ports.lod->visible != 0 ? CountShells(squared, layer.most) : 0;
     const float fade = count != 0 ? FadeAt(squared) : 0.0f;
     for (uint32_t i = 0; i < kMaxShells; ++i) {

@@ -74,6 +74,21 @@ TEST(LodBudget, StrandsGoOnlyWhereFastIsNotEnoughOrTooFarOff) {
   EXPECT_EQ(Find(layers, Within(170), false).scale, 1.0f);
 }
 
+TEST(LodBudget, TakesLessFromWhatIsImportant) {
+  std::vector<LayerDemand> layers(2, Layer(0.1, ModalQuality::kFast));
+  layers[0].importance = 4.0f;
+  const LodBudget found = Find(layers, Within(150));
+  EXPECT_NEAR(found.scale, (150.0 - kFastUs) / kFastUs, kGroup) << "all of the first";
+  EXPECT_LE(found.ns, 150e3);
+  EXPECT_GT(found.ns, 145e3);
+  layers[0].importance = 0.25f;
+  const LodBudget room = Find(layers, Within(250));
+  EXPECT_GE(room.scale * 0.25f, 1.0f);
+  EXPECT_NEAR(room.ns, 2e3 * kFastUs, 0.1);
+  const LodBudget less = Find(layers, Within(150));
+  EXPECT_NEAR(0.25 * double(less.scale), (150.0 - kFastUs) / kFastUs, kGroup) << "of the first";
+}
+
 TEST(LodBudget, WhatAsksForOtherQualitiesKeepsThem) {
   const std::vector<LayerDemand> layers = {Layer(0.1, ModalQuality::kBest),
                                            Layer(0.1, ModalQuality::kFast)};

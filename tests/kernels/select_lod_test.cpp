@@ -58,6 +58,7 @@ struct World {
   World() {
     layer[0].flags = kLayerEnabled;
     layer[0].strand_count = 1000;
+    layer[0].importance = 1.0f;
   }
   void SetBox(float x, float y, float z, float half) {
     const float centre[3] = {x, y, z};
@@ -294,6 +295,7 @@ TEST(SelectLod, BudgetScaleHoldsTheBudgetAndDoesNotSwing) {
   Blocks<LodBlock> lod(20, 0);
   for (uint32_t l = 0; l < 20; ++l) {
     layers[l].flags = kLayerEnabled;
+    layers[l].importance = 1.0f;
     layers[l].strand_count = 1000 + 100 * l;
     for (int a = 0; a < 3; ++a) {
       bounds[l].low[a] = (a == 2 ? -float(l) : 0.0f) - 0.2f;
@@ -315,6 +317,42 @@ TEST(SelectLod, BudgetScaleHoldsTheBudgetAndDoesNotSwing) {
   for (int frame = 0; frame < 5; ++frame) EXPECT_NEAR(run_frame(), 4000.0, 1.0);
   EXPECT_EQ(BudgetScale({lod.begin(), 20}, {layers.begin(), 20}, 0), 1.0f);
   EXPECT_EQ(BudgetScale({lod.begin(), 20}, {layers.begin(), 20}, 1000000), 1.0f);
+}
+
+TEST(SelectLod, ImportanceIsAFactorOnTheSizeAndOnWhatTheBudgetLeaves) {
+  SelectLodParams p = MakeParams(Camera{});
+  World plain, doubled;
+  plain.SetBox(0, 1, -10, 0.3f);
+  doubled.SetBox(0, 1, -10, 0.3f);
+  doubled.layer[0].importance = 2.0f;
+  const float wanted = plain.Run(p).wanted;
+  ASSERT_GT(wanted, p.min_fraction);
+  ASSERT_LT(wanted, 0.5f);
+  EXPECT_FLOAT_EQ(doubled.Run(p).wanted, 2.0f * wanted);
+  p.hysteresis = 0.0f;
+  p.budget_scale = 0.3f;
+  EXPECT_FLOAT_EQ(plain.Run(p).fraction, 0.3f * wanted);
+  EXPECT_FLOAT_EQ(doubled.Run(p).fraction, 0.6f * 2.0f * wanted);
+  p.budget_scale = 0.7f;
+  EXPECT_FLOAT_EQ(doubled.Run(p).fraction, 2.0f * wanted) << "no more than it wants";
+}
+
+TEST(SelectLod, BudgetScaleLeavesImportantLayersMore) {
+  LodBlock lod[2]{};
+  LayerBlock layers[2]{};
+  for (int i = 0; i < 2; ++i)
+    lod[i].visible = 1, lod[i].wanted = 1.0f, layers[i].strand_count = 1000;
+  layers[0].importance = 3.0f;
+  layers[1].importance = 1.0f;
+  EXPECT_EQ(BudgetScale(lod, layers, 1000), 0.25f) << "750 and 250";
+  EXPECT_FLOAT_EQ(BudgetScale(lod, layers, 1600), 0.6f) << "all 1000, and 600";
+  EXPECT_EQ(BudgetScale(lod, layers, 2000), 1.0f);
+  layers[1].importance = 0.25f;
+  EXPECT_FLOAT_EQ(BudgetScale(lod, layers, 1600), 2.4f) << "the same strands";
+  EXPECT_GE(BudgetScale(lod, layers, 2000) * 0.25f, 1.0f) << "there is room";
+  EXPECT_GE(BudgetScale(lod, layers, 0) * 0.25f, 1.0f) << "there is no budget";
+  layers[1].importance = 0.0f;  // off, and in view in the last frame
+  EXPECT_EQ(BudgetScale(lod, layers, 600), 0.2f) << "600 of the first's";
 }
 
 // A layer that has this share of its strands: of its least, as far off as it is.

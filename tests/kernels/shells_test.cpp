@@ -247,10 +247,12 @@ TEST(ShellForce, CarriesTheSkinsNormal) {
 struct Selection {
   LodBlock lod{};
   BoundsBlock bounds{};
+  LayerBlock importance{};
   ShellLayerBlock layer{};
   SelectShellsParams params{};
 
   Selection() {
+    importance.importance = 1.0f;
     lod.visible = 1;
     for (int axis = 0; axis < 3; ++axis) bounds.low[axis] = -1.0f, bounds.high[axis] = 1.0f;
     layer.most = kMaxShells;
@@ -260,7 +262,7 @@ struct Selection {
   // From a place so far in front of the box.
   ShellLodBlock At(float distance) {
     params.eye[2] = 1.0f + distance;
-    return OutputOf<SelectShells<Ref>, ShellLodBlock>(&params, lod, bounds, layer);
+    return OutputOf<SelectShells<Ref>, ShellLodBlock>(&params, importance, lod, bounds, layer);
   }
 };
 
@@ -281,6 +283,16 @@ TEST(SelectShells, FollowTheTableRowByRow) {
   selection.layer.most = 6;
   for (const auto& [metres, count] : table)
     EXPECT_EQ(selection.At(metres).count, std::min(6u, count)) << metres;
+}
+
+TEST(SelectShells, AreAsManyAsNearerWhereTheLayerIsImportant) {
+  Selection selection;
+  selection.importance.importance = 2.0f;
+  EXPECT_EQ(selection.At(9.9f).count, 8u) << "as at 4.95 m";
+  EXPECT_EQ(selection.At(79.0f).count, 1u);
+  selection.importance.importance = 0.5f;
+  EXPECT_EQ(selection.At(2.4f).count, 8u);
+  EXPECT_EQ(selection.At(21.0f).count, 0u);
 }
 
 TEST(SelectShells, HaveTheirFourNumbers) {
@@ -315,7 +327,7 @@ TEST(SelectShells, LeaveTheBudgetToStrands) {
   LodBlock lod[2]{};
   LayerBlock layers[2]{};
   for (int i = 0; i < 2; ++i)
-    lod[i].visible = 1, lod[i].wanted = 1.0f, layers[i].strand_count = 100;
+    lod[i].visible = 1, lod[i].wanted = layers[i].importance = 1.0f, layers[i].strand_count = 100;
   EXPECT_EQ(BudgetScale(lod, layers, 100), 0.5f);
   layers[1].flags = kLayerShells;
   EXPECT_EQ(BudgetScale(lod, layers, 100), 1.0f);
