@@ -144,7 +144,8 @@ inline constexpr auto kBlockMembers<ChunkStateBlock> = std::tuple{
     PELT_MEMBER(ChunkStateBlock, live_chains),
     PELT_MEMBER(ChunkStateBlock, first_new_chain),
     PELT_MEMBER(ChunkStateBlock, whole_chains),
-    PELT_MEMBER(ChunkStateBlock, parent_share)};
+    PELT_MEMBER(ChunkStateBlock, parent_share),
+    PELT_MEMBER(ChunkStateBlock, cut)};
 template <>
 inline constexpr auto kBlockMembers<SkinnedBlock> = std::tuple{PELT_MEMBER(SkinnedBlock, vertex)};
 template <>

@@ -247,7 +247,7 @@ enum ChunkFlag : uint32_t {
   kChunkSteady = 1u << 7,   // what simulate reads is as in the last frame, but for its own state
 };
 
-// What of a patch or chunk runs this frame, and why. Written by `activate_patch` and `activate`;
+// What of a patch or chunk runs this frame, and why. Written by `activate_patch` and `activate`, but for `cut`;
 // simulate, sort_key and paint_strands report back. Of a patch what is about strands is 0.
 PELT_BLOCK ChunkStateBlock {
   uint32_t flags;          // ChunkFlag
@@ -270,8 +270,13 @@ PELT_BLOCK ChunkStateBlock {
   uint32_t first_new_chain;
   uint32_t whole_chains;
   float parent_share;
-  uint32_t pad[14];
+  uint32_t cut[kStrandsPerChunk / 32];  // bit l of all: strand l is cut off. Set by the caller
+  uint32_t pad[14 - kStrandsPerChunk / 32];
 };
+
+constexpr bool IsCut(const ChunkStateBlock& chunk, uint32_t lane) {
+  return (chunk.cut[lane / 32] >> lane % 32 & 1) != 0;
+}
 
 // Skinned vertices as four 16-byte records each: position, normal, tangent (unit), motion since
 // last frame. The fourth float of every record is 0.

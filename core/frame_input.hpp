@@ -84,6 +84,15 @@ struct CapsuleCollider {
 inline constexpr std::string_view kPaintChannelNames[kPaintChannels] = {"mud", "snow", "wet",
                                                                         "dust"};
 
+// Values of one strand in place of its groom's, in the frames whose input has them.
+struct StrandWrite {
+  uint32_t layer = 0, strand = 0;  // by its number in the layer, as LayerDraw::order has it
+  uint32_t base_colour = 0, tip_colour = 0;  // 0xAABBGGRR
+  float width = 0.0f;                        // at the root, 0 to kWidestWrite, m
+  uint32_t film_strip = 0;                   // texture index, below 256
+};
+inline constexpr float kWidestWrite = 0.1f;
+
 // Places and directions are the world's: right-handed, metres, y up by the defaults alone. No value
 // is beyond 1e6; BeginFrame says which one is. jobs/README.md has all, with their names in C.
 struct FrameInput {
@@ -112,6 +121,12 @@ struct FrameInput {
   // take from what is less important first: kLeastImportance to kMostImportance. 0: the layer is off, as if out
   // of view; it starts from its groom when it is on again.
   std::span<const float> importance;
+  // Haircuts: a byte for each place of a strand, FurScene::StrandPlaces of each layer, one layer after the other;
+  // empty: 0 each. Where it is not 0 the strand is cut off: it goes on, and is not drawn. Nothing to shells.
+  std::span<const uint8_t> cut;
+  // At most SceneOptions::strand_writes, of several for one strand the last. A strand that is not listed, or no
+  // longer, is as its groom has it.
+  std::span<const StrandWrite> strands;
   Lighting lighting;
   uint32_t brush_count = 0;            // of `brush`
   PaintBrush brush[kBrushesPerScene];  // one after the other: the last has the last word

@@ -46,6 +46,10 @@ static_assert([]<class C = PeltBrush, class D = pelt::PaintBrush, size_t kAt = 0
   return PELT_SAME(centre) && PELT_SAME(radius) && PELT_SAME(hardness) && PELT_SAME(channel) &&
          PELT_SAME(amount);
 }());
+static_assert([]<class C = PeltStrandWrite, class D = pelt::StrandWrite, size_t kAt = 0>() {
+  return PELT_SAME(layer) && PELT_SAME(strand) && PELT_SAME(base_colour) && PELT_SAME(tip_colour) &&
+         PELT_SAME(width) && PELT_SAME(film_strip) && sizeof(C) == sizeof(D);
+}());
 static_assert([]<class C = PeltCapsule, class D = pelt::CapsuleCollider, size_t kAt = 0>() {
   return PELT_SAME(from) && PELT_SAME(to) && PELT_SAME(radius) && PELT_SAME(character) &&
          PELT_SAME(joint) && PELT_SAME(from_velocity) && PELT_SAME(to_velocity);
@@ -85,8 +89,8 @@ void CopyRun(const Part& from, PeltFrame& to, size_t first) {
 
 }  // namespace
 
-const char* pelt::c_frame::Translate(const PeltFrame& from, std::vector<Weather>& weather,
-                                     FrameInput& to) {
+const char* pelt::c_frame::Translate(const PeltFrame& from, const SceneShape& shape,
+                                     std::vector<Weather>& weather, FrameInput& to) {
   to.dt_s = from.dt_s;
   to.time_s = from.time_s;
   CopyRun(from, kCamera, to.camera);
@@ -135,6 +139,10 @@ const char* pelt::c_frame::Translate(const PeltFrame& from, std::vector<Weather>
       weather[c] = {from.weather[c][0], from.weather[c][1]};
     to.weather = weather;
   }
+  if (from.importance) to.importance = {from.importance, shape.layer_count};
+  if (from.cut) to.cut = {from.cut, size_t(pelt::kStrandsPerChunk) * shape.chunk_count};
+  if (from.strand_write_count != 0 && !from.strand_writes) return "the strand writes are null";
+  to.strands = {reinterpret_cast<const StrandWrite*>(from.strand_writes), from.strand_write_count};
   CopyRun(from, kLod, to.lod);
   for (const SkipBit& skip : kSkips) to.skip.*skip.member = (from.skip & skip.bit) != 0;
   return nullptr;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/frame_input.hpp"
+#include "core/frame_memory.hpp"
 #include "jobs/pelt.h"
 
 namespace pelt::c_frame {
@@ -16,7 +17,8 @@ void Copy(const float (&from)[kN], float (&to)[kN]) {
 }
 
 // Null, or what the counts and pointers of the frame promise and do not hold. `weather`: where that of
-// each character is put.
-const char* Translate(const PeltFrame& from, std::vector<Weather>& weather, FrameInput& to);
+// each character is put; other lists stay where they are.
+const char* Translate(const PeltFrame& from, const SceneShape& shape, std::vector<Weather>& weather,
+                      FrameInput& to);
 
 }  // namespace pelt::c_frame

@@ -92,6 +92,7 @@ Result<std::unique_ptr<PeltScene>> Create(const PeltBytes* files, uint32_t count
   options.velocities = wanted.velocities != 0;
   options.origins = wanted.origins != 0;
   options.any_scale = wanted.any_scale != 0;
+  options.strand_writes = wanted.strand_writes;
 
   auto made = std::make_unique<PeltScene>();
   if (const auto read = ReadGrooms(files, count, *made); !read) return Failure{read.error()};
@@ -171,6 +172,15 @@ const char* pelt_joint_name(const PeltScene* scene, uint32_t character, uint32_t
 
 uint32_t pelt_strand_count(const PeltScene* scene, uint32_t layer) {
   return layer < pelt_layer_count(scene) ? scene->scene->StrandCount(layer) : 0;
+}
+
+uint32_t pelt_strand_places(const PeltScene* scene, uint32_t layer) {
+  return layer < pelt_layer_count(scene) ? scene->scene->StrandPlaces(layer) : 0;
+}
+
+uint32_t pelt_layer_character(const PeltScene* scene, uint32_t layer) {
+  return layer < pelt_layer_count(scene) ? scene->scene->shape().layer_character[layer]
+                                         : UINT32_MAX;
 }
 
 float pelt_unit_scale(const PeltScene* scene, uint32_t character) {
@@ -253,7 +263,9 @@ const char* pelt_begin(PeltScene* scene, const PeltFrame* frame) {
   {
     const pelt::BetweenFrames between(scene->Phase());
     if (between.fault()) return between.fault();
-    if (const char* fault = pelt::c_frame::Translate(*frame, scene->weather, input)) return fault;
+    if (const char* fault =
+            pelt::c_frame::Translate(*frame, scene->scene->shape(), scene->weather, input))
+      return fault;
     for (uint32_t c = 0; c < scene->has_rates.size(); ++c)
       if (pelt::PoseRateBlock* rates = scene->scene->PoseRates(c))
         if (!scene->has_rates[c]) rates->given = 0;
@@ -370,6 +382,10 @@ uint32_t pelt_copy_curves(PeltScene* scene, uint32_t layer, PeltStrandCurve* cur
   return scene->scene->CopyCurves(layer, {reinterpret_cast<pelt::StrandCurve*>(curves), room});
 }
 
+uint32_t pelt_shadow_places(PeltScene* scene, uint32_t layer, uint32_t* places, uint32_t room) {
+  return scene ? scene->scene->ShadowPlaces(layer, {places, places ? room : 0}) : 0;
+}
+
 uint32_t pelt_ribbon_indices(const uint32_t* order, uint32_t strand_count, uint32_t* indices,
                              uint32_t room) {
   if (!indices) return 0;
@@ -382,10 +398,6 @@ uint32_t pelt_ribbon_indices(const uint32_t* order, uint32_t strand_count, uint3
 
 uint32_t pelt_shell_indices(const PeltScene* scene, uint32_t layer, uint32_t* indices,
                             uint32_t room) {
-uint32_t pelt_shadow_places(PeltScene* scene, uint32_t layer, uint32_t* places, uint32_t room) {
-  return scene ? scene->scene->ShadowPlaces(layer, {places, places ? room : 0}) : 0;
-}
-
   if (!scene) return 0;
   const pelt::ShellDraw shells = pelt::FindShells(scene->scene->memory(), layer);
   return pelt::WriteShellIndices(shells, {indices, indices ? room : 0});

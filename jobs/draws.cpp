@@ -1,6 +1,7 @@
 #include "jobs/draws.hpp"
 
 #include <algorithm>
+#include <bit>
 
 #include "core/float_environment.hpp"
 #include "core/float_rules.hpp"
@@ -10,12 +11,21 @@
 namespace pelt {
 namespace {
 
+uint32_t CountUncut(const ChunkStateBlock& chunk) {
+  uint32_t cut = 0;
+  for (uint32_t first = 0; first < chunk.live_strands; first += 32) {
+    const uint32_t lanes = std::min(chunk.live_strands - first, 32u);
+    cut += uint32_t(std::popcount(chunk.cut[first / 32] & ~0u >> (32 - lanes)));
+  }
+  return chunk.live_strands - cut;
+}
+
 void AddStrands(const FrameMemory& memory, VertexOrder vertex_order, uint32_t first,
                 uint32_t chunks, LayerDraw& draw) {
   draw.strand_count = memory.Of<&Streams::layer_sort>(draw.layer)->visible_count;
   draw.order = {memory.Of<&Streams::order>(first)->strand, draw.strand_count};
   for (uint32_t c = first; c < first + chunks; ++c)
-    draw.live_strands += memory.Of<&Streams::chunk_state>(c)->live_strands;
+    draw.live_strands += CountUncut(*memory.Of<&Streams::chunk_state>(c));
   if (memory.shape->layer_kind[draw.layer] & kLayerLit)
     draw.looks = {memory.Of<&Streams::looks>(first)->record, size_t(chunks) * kStrandsPerChunk};
   const OutputEntry& entry = draw.format();
@@ -75,24 +85,14 @@ uint32_t CopyCurves(const FrameMemory& memory, uint32_t layer, std::span<StrandC
   size_t written = 0;
   for (uint32_t c = shape.layer_first_chunk[layer]; c < shape.layer_first_chunk[layer + 1]; ++c) {
     const std::byte* records = memory.Block(entry.curves, c);
-    const size_t live = memory.Of<&Streams::chunk_state>(c)->live_strands;
-    const size_t end = std::min(out.size(), written + live);
-    for (size_t i = 0; written < end; ++i, ++written)
-      out[written] = entry.read_curve(records + i * entry.curve_bytes, tip_width);
+    const ChunkStateBlock& chunk = *memory.Of<&Streams::chunk_state>(c);
+    for (uint32_t i = 0; i < chunk.live_strands && written < out.size(); ++i)
+      if (!IsCut(chunk, i))
+        out[written++] = entry.read_curve(records + i * entry.curve_bytes, tip_width);
   }
   return uint32_t(written);
 }
 
-PointBlock<4> CopyChainPoints(const FrameMemory& memory, uint32_t patch) {
-  const uint32_t number = memory.shape->patch_layer[patch];
-  if (!(memory.shape->layer_kind[number] & kLayerModal))
-    return *memory.Of<&Streams::vertex_points>(patch);
-  const FloatEnvironment guard;
-  using V = ArrayVec<4>;
-  constexpr uint32_t N = NodesOf(4);
-  const ModalTableBlock& table = *memory.Of<&Streams::modal_tables>(number);
-  const RestBlock<4>& rest_block = *memory.Of<&Streams::vertex_rest>(patch);
-  const ModalStateBlock<N>& state = *memory.Of<&Streams::vertex_modal>(patch);
 uint32_t FindShadowPlaces(const FrameMemory& memory, VertexOrder vertex_order, uint32_t layer,
                           float share, std::span<uint32_t> places) {
   const SceneShape& shape = *memory.shape;
@@ -110,6 +110,16 @@ uint32_t FindShadowPlaces(const FrameMemory& memory, VertexOrder vertex_order, u
   return count;
 }
 
+PointBlock<4> CopyChainPoints(const FrameMemory& memory, uint32_t patch) {
+  const uint32_t number = memory.shape->patch_layer[patch];
+  if (!(memory.shape->layer_kind[number] & kLayerModal))
+    return *memory.Of<&Streams::vertex_points>(patch);
+  const FloatEnvironment guard;
+  using V = ArrayVec<4>;
+  constexpr uint32_t N = NodesOf(4);
+  const ModalTableBlock& table = *memory.Of<&Streams::modal_tables>(number);
+  const RestBlock<4>& rest_block = *memory.Of<&Streams::vertex_rest>(patch);
+  const ModalStateBlock<N>& state = *memory.Of<&Streams::vertex_modal>(patch);
   PointBlock<4> points;
   for (uint32_t lane = 0; lane < kVerticesPerChunk; lane += V::kLanes) {
     chain::Group<V, N> g;

@@ -54,7 +54,7 @@ struct LayerDraw {
   uint32_t strand_count;
   // The strand at each place of the drawing order, in either VertexOrder.
   std::span<const uint32_t> order;
-  uint32_t live_strands;  // what CopyCurves has: culled ones too
+  uint32_t live_strands;  // what CopyCurves has: culled ones too, and none that is cut off
   // What all places of the draw are relative to, world, m: 0 but in scenes whose characters have
   // origins of their own.
   double origin[3];

@@ -72,6 +72,7 @@ typedef struct PeltSceneOptions {
   int origins;
   /* Not 0: characters are meant to be of any size beside their groom's, no note of it (pelt_note). */
   int any_scale;
+  uint32_t strand_writes; /* the most that PeltFrame has of them */
 } PeltSceneOptions;
 
 /* A scene of `count` characters, one groom file (`pelt bake`) in memory for each; the bytes are
@@ -88,6 +89,9 @@ uint32_t pelt_joint_count(const PeltScene* scene, uint32_t character);
 const char* pelt_joint_name(const PeltScene* scene, uint32_t character, uint32_t joint);
 /* The most strands that a draw of the layer can have, as long as the scene lives. */
 uint32_t pelt_strand_count(const PeltScene* scene, uint32_t layer);
+/* A layer's strands have numbers below it; and whose layer it is (UINT32_MAX: of none). */
+uint32_t pelt_strand_places(const PeltScene* scene, uint32_t layer);
+uint32_t pelt_layer_character(const PeltScene* scene, uint32_t layer);
 /* Metres that a unit of the character's file is long, as its groom was baked: 0.01 of a file in
  * centimetres. */
 float pelt_unit_scale(const PeltScene* scene, uint32_t character);
@@ -184,6 +188,14 @@ typedef struct PeltBrush {
   float amount;     /* -1 to 1, of the most that a strand can have; below 0: takes away */
 } PeltBrush;
 
+/* Values of one strand in place of its groom's, in the frames that have them. */
+typedef struct PeltStrandWrite {
+  uint32_t layer, strand;           /* by its number in the layer, as `order` has it */
+  uint32_t base_colour, tip_colour; /* 0xAABBGGRR */
+  float width;                      /* at the root, 0 to 0.1 m */
+  uint32_t film_strip;              /* below 256 */
+} PeltStrandWrite;
+
 /* Places and directions are the world's: right-handed, metres. jobs/README.md has a table of all that
  * a frame is given. */
 typedef struct PeltFrame {
@@ -222,6 +234,14 @@ typedef struct PeltFrame {
   const PeltBrush* brushes;
   /* Wetness and dirt, 0 to 1, of each character; NULL: dry and clean. */
   const float (*weather)[2];
+  /* Of each layer (pelt_layer_count), a factor on its size on the screen as level of detail and budgets see it:
+   * 0.01 to 100, or 0: the layer is off, and starts from its groom when it is on again. NULL: 1 each. */
+  const float* importance;
+  /* Haircuts: a byte for each place of a strand, pelt_strand_places of each layer, one layer after the other. Not
+   * 0: the strand is not drawn. NULL: 0 each. */
+  const uint8_t* cut;
+  uint32_t strand_write_count; /* at most PeltSceneOptions has */
+  const PeltStrandWrite* strand_writes;
   /* Level of detail, with PELT_LOD. The box diagonal on the screen from which a layer has all its
    * strands, px; the least share of them, the change of the share over the share that it follows, and
    * the share of the living strands that fade out, each 0 to 1; and the least share of its chains at mesh
@@ -374,6 +394,11 @@ typedef struct PeltStrandCurve {
  * written. */
 uint32_t pelt_copy_curves(PeltScene* scene, uint32_t layer, PeltStrandCurve* curves, uint32_t room);
 
+/* What a shadow pass draws of a layer whose setup says `shadow_share`: places of strands in the draw's vertices, in
+ * drawing order, to be as many times wider as there are fewer than the draw's strand_count. Returns how many
+ * there are, and writes what there is room for. */
+uint32_t pelt_shadow_places(PeltScene* scene, uint32_t layer, uint32_t* places, uint32_t room);
+
 /* Indices of triangles for ribbons: of strands 0, 1, 2, ... with `order` NULL, of the strands it
  * names otherwise. 24 for each strand. Returns how many were written. */
 uint32_t pelt_ribbon_indices(const uint32_t* order, uint32_t strand_count, uint32_t* indices,
@@ -394,11 +419,6 @@ typedef struct PeltFin {
 } PeltFin;
 
 /* The fins that are seen in the last frame, of a layer with `fins = true`. Returns how many there are,
-/* What a shadow pass draws of a layer whose setup says `shadow_share`: places of strands in the draw's vertices, in
- * drawing order, to be as many times wider as there are fewer than the draw's strand_count. Returns how many
- * there are, and writes what there is room for. */
-uint32_t pelt_shadow_places(PeltScene* scene, uint32_t layer, uint32_t* places, uint32_t room);
-
  * none of other layers and while a frame is begun or runs, and writes what there is room for. */
 uint32_t pelt_fins(PeltScene* scene, uint32_t layer, PeltFin* fins, uint32_t room);
 

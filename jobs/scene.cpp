@@ -75,6 +75,8 @@ FurScene::FurScene(const SceneOptions& options, SceneLayout layout)
       scales_(layout_.shape.character_count, 1.0f),
       scale_notes_(layout_.shape.character_count, 0.0f) {
   draws_.reserve(layout_.shape.layer_count);
+  written_.reserve(options.strand_writes);
+  replaced_.reserve(options.strand_writes);
   fault_.reserve(256);
 }
 
@@ -161,6 +163,8 @@ struct FurScene::GroomCopy {
 // No patch or chunk sleeps through it. Patches and chunks that changed are taken to have moved; those that get what
 // they have are not, as their strands' clocks go on (modal_frame.hpp).
 void FurScene::CopyGrooms(std::span<const Groom* const> grooms) {
+  written_.clear();
+  replaced_.clear();
   layer_names_.clear();
   layer_params_.clear();
   layer_length_max_.clear();
@@ -265,6 +269,7 @@ const char* FurScene::BeginFrame(const FrameInput& input) {
   const FloatEnvironment guard;  // parameters are part of the bits
   if (const char* fault = phase_.StartFilling()) return fault;
   const char* fault = FindInputFault(input, shape(), pose_gate_, fault_);
+  if (!fault) fault = FindStrandFault(input);
   if (!fault) FillFrame(input);
   phase_.EndFilling(!fault);
   return fault;
@@ -304,6 +309,7 @@ bool FurScene::CopyStateFrom(const FurScene& other, const char** why) {
   if (other_between.fault()) return Refuse(other_between.fault(), why);
   const SceneShape &mine = layout_.shape, &its = other.layout_.shape;
   if (layout_.total_bytes != other.layout_.total_bytes ||
+      options_.strand_writes != other.options_.strand_writes ||
       mine.layer_character != its.layer_character ||
       mine.layer_first_patch != its.layer_first_patch ||
       mine.layer_first_chunk != its.layer_first_chunk || mine.layer_kind != its.layer_kind)
@@ -322,6 +328,9 @@ bool FurScene::CopyStateFrom(const FurScene& other, const char** why) {
   layer_vertices_ = other.layer_vertices_;
   layer_simulates_ = other.layer_simulates_;
   layer_curled_ = other.layer_curled_;
+  is_cut_ = other.is_cut_;
+  written_ = other.written_;
+  replaced_ = other.replaced_;
   pose_gate_.CopyStateFrom(other.pose_gate_);
   colliders_ = other.colliders_;
   memory_.paused = other.memory_.paused;
@@ -374,17 +383,17 @@ bool FurScene::ReplaceGrooms(std::span<const Groom* const> grooms, const char** 
 uint64_t FurScene::HeapBytes() const {
   const auto bytes = [](const auto& v) { return uint64_t(v.capacity()) * sizeof(v[0]); };
   const SceneShape& shape = layout_.shape;
-  uint64_t sum = sizeof(FurScene) + bytes(params_) + bytes(relights_) + bytes(colliders_) +
-                 bytes(given_origins_) + bytes(origins_) + bytes(scales_) + bytes(scale_notes_) +
-                 bytes(shape.layer_character) + bytes(shape.layer_first_patch) +
-                 bytes(shape.layer_first_chunk) + bytes(shape.layer_kind) +
-                 bytes(shape.patch_layer) + bytes(shape.chunk_layer) + bytes(layout_.ranges) +
-                 bytes(memory_.streams) + bytes(plan_.stages) + bytes(plan_.passes) +
-                 plan_.graph.HeapBytes() + bytes(layer_names_) + bytes(layer_params_) +
-                 bytes(modal_) + bytes(layer_length_max_) + bytes(layer_strands_) +
-                 bytes(layer_vertices_) + bytes(demands_) + bytes(demand_order_) +
-                 bytes(layer_simulates_) + bytes(layer_curled_) + bytes(draws_) + bytes(fault_) +
-                 carried_.HeapBytes() + pose_gate_.HeapBytes();
+  uint64_t sum =
+      sizeof(FurScene) + bytes(params_) + bytes(relights_) + bytes(colliders_) +
+      bytes(given_origins_) + bytes(origins_) + bytes(scales_) + bytes(scale_notes_) +
+      bytes(shape.layer_character) + bytes(shape.layer_first_patch) +
+      bytes(shape.layer_first_chunk) + bytes(shape.layer_kind) + bytes(shape.patch_layer) +
+      bytes(shape.chunk_layer) + bytes(layout_.ranges) + bytes(memory_.streams) +
+      bytes(plan_.stages) + bytes(plan_.passes) + plan_.graph.HeapBytes() + bytes(layer_names_) +
+      bytes(layer_params_) + bytes(modal_) + bytes(layer_length_max_) + bytes(layer_strands_) +
+      bytes(layer_vertices_) + bytes(demands_) + bytes(demand_order_) + bytes(layer_simulates_) +
+      bytes(layer_curled_) + bytes(written_) + bytes(replaced_) + bytes(draws_) + bytes(fault_) +
+      carried_.HeapBytes() + pose_gate_.HeapBytes();
   for (const StreamPlace& place : memory_.streams) sum += bytes(place.slot);
   for (const Pass& pass : plan_.passes) sum += bytes(pass.streams) + bytes(pass.waits);
   for (const std::string& name : layer_names_) sum += bytes(name);
@@ -408,6 +417,12 @@ uint32_t FurScene::CopyCurves(uint32_t layer, std::span<StrandCurve> out) const 
   return phase_.IsDone() && !restored_ ? pelt::CopyCurves(memory_, layer, out) : 0;
 }
 
+uint32_t FurScene::ShadowPlaces(uint32_t layer, std::span<uint32_t> places) const {
+  if (!phase_.IsDone() || restored_ || layer >= shape().layer_count) return 0;
+  const FloatEnvironment guard;
+  return FindShadowPlaces(memory_, options_.vertex_order, layer, ShadowShare(layer), places);
+}
+
 std::vector<uint8_t> FurScene::FurTexture(uint32_t layer, uint32_t& side) const {
   side = 0;
   if (layer >= layer_params_.size() || layer_params_[layer].output != Output::kShells) return {};
@@ -417,12 +432,6 @@ std::vector<uint8_t> FurScene::FurTexture(uint32_t layer, uint32_t& side) const 
 }
 
 uint32_t FurScene::LiveStrands() const {
-uint32_t FurScene::ShadowPlaces(uint32_t layer, std::span<uint32_t> places) const {
-  if (!phase_.IsDone() || restored_ || layer >= shape().layer_count) return 0;
-  const FloatEnvironment guard;
-  return FindShadowPlaces(memory_, options_.vertex_order, layer, ShadowShare(layer), places);
-}
-
   uint32_t live = 0;
   for (uint32_t c = 0; c < shape().chunk_count; ++c)
     live += memory_.Of<&Streams::chunk_state>(c)->live_strands;

@@ -59,6 +59,8 @@ struct SceneOptions {
   // What the scene's block may have. A scene that needs more is refused when it is measured, with
   // the largest ranges and what would help. 0: no budget.
   uint64_t memory_budget_bytes = 0;
+  // The most of FrameInput::strands, for which there is room outside the block.
+  uint32_t strand_writes = 0;
   // Characters are meant to be of any size beside their groom's: no note of it (NextNote).
   bool any_scale = false;
 };
@@ -162,9 +164,9 @@ class FurScene {
   // A pose that cannot be used stops only its own character: see RefusedPoses.
   //
   // A frame of dt_s 0 is a pause: nothing moves and nothing is forgotten, poses, weather, obstacles,
-  // lights, brushes and level of detail are not looked at, and the frame after it is what it would have been
-  // without. Only the view counts: what was visible is sorted and written for it. As a scene's
-  // first frame it lays the fur on its groom.
+  // lights, brushes, level of detail and lists of layers and strands are not looked at, and the frame
+  // after it is what it would have been without. Only the view counts: what was visible is sorted and
+  // written for it. As a scene's first frame it lays the fur on its groom.
   const char* BeginFrame(const FrameInput& input);
 
   // The poses that the last BeginFrame did not use, one for each such character, and why
@@ -217,9 +219,14 @@ class FurScene {
     return layer_params_[layer].output == Output::kShells ? 0 : layer_strands_[layer];
   }
 
+  // A layer's strands have numbers below it; what FrameInput::cut has of each layer.
+  uint32_t StrandPlaces(uint32_t layer) const {
+    return shape().LayerChunks(layer) * kStrandsPerChunk;
+  }
+
+  float ShadowShare(uint32_t layer) const { return layer_params_[layer].shadow_share; }
   // How the layer takes light, as long as the scene lives; another groom's may be another.
   const LayerLook& Look(uint32_t layer) const { return layer_params_[layer].look; }
-  float ShadowShare(uint32_t layer) const { return layer_params_[layer].shadow_share; }
 
   // What to draw of the last frame that was run, in drawing order: jobs/draws.hpp. Empty while a
   // frame is begun or runs. The list is the scene's, and good until the next call.
@@ -228,14 +235,14 @@ class FurScene {
   // how many were written: none of a layer that is not in Draws().
   uint32_t CopyCurves(uint32_t layer, std::span<StrandCurve> out) const;
 
-  // The texture that a layer's shells are cut from: texels of one byte, `side` in each row; empty for
-  // other layers. The same whenever it is asked for: once, when the scene is made.
   // What a shadow pass draws of the layer, whose setup says `shadow_share`: places of strands in
   // LayerDraw::vertices, in drawing order, each to be as many times wider as there are fewer than
   // LayerDraw::strand_count. Returns how many there are, none of a layer that is not in Draws(), and
   // writes those there is room for.
   uint32_t ShadowPlaces(uint32_t layer, std::span<uint32_t> places) const;
 
+  // The texture that a layer's shells are cut from: texels of one byte, `side` in each row; empty for
+  // other layers. The same whenever it is asked for: once, when the scene is made.
   std::vector<uint8_t> FurTexture(uint32_t layer, uint32_t& side) const;
 
   // Lanes of the block of `item` that hold values of the last frame run.
@@ -285,6 +292,14 @@ class FurScene {
   // Calls fill(s, input) for each set, with the input relative to the set's origin.
   void ForEachSet(const FrameInput& input, auto&& fill);
   View ViewFrom(uint32_t s, const FrameInput& input) const;
+  // Of the strand, which is there.
+  uint32_t ChunkOf(const StrandWrite& write) const {
+    return shape().layer_first_chunk[write.layer] + write.strand / kStrandsPerChunk;
+  }
+  const StrandBlock* BlockOf(const StrandWrite& write) const;
+  const char* FindStrandFault(const FrameInput& input);
+  void CutStrands(std::span<const uint8_t> cut);
+  void WriteStrands(std::span<const StrandWrite> writes);
   void FillOrigins();
   void FillScales();
   void MeasureSnapshot(std::span<const Groom* const> grooms);
@@ -319,7 +334,9 @@ class FurScene {
   std::vector<float> layer_length_max_;
   std::vector<uint32_t> layer_strands_, layer_vertices_;
   std::vector<uint8_t> layer_simulates_;
-  std::vector<uint8_t> layer_curled_;  // some chain rests bent
+  std::vector<uint8_t> layer_curled_;            // some chain rests bent
+  bool is_cut_ = false;                          // some strand may be cut off
+  std::vector<StrandWrite> written_, replaced_;  // in the last frame; what the groom has there
   PoseGate pose_gate_;
   mutable FramePhase phase_;  // of a frame that runs through CurrentFrame
   bool first_frame_ = true;

@@ -60,6 +60,10 @@ void FurScene::FillFrame(const FrameInput& input) {
   memory_.paused = input.dt_s == 0.0 && !first_frame_;
   memory_.restored = restored_;
   restored_ = false;
+  if (!memory_.paused || memory_.restored) {  // a snapshot has none of them
+    CutStrands(input.cut);
+    WriteStrands(input.strands);
+  }
   if (memory_.paused) return FillPausedFrame(input);
   pose_gate_.Judge(memory_, given_origins_);
   FillOrigins();
@@ -81,10 +85,6 @@ void FurScene::FillFrame(const FrameInput& input) {
   last_dt_s_ = StepOf(input);
 }
 
-// Nothing is left out of a frame to which state was put back.
-uint32_t FurScene::SwitchesOf(const SkipSettings& skip) const {
-  return memory_.restored ? 0u : SwitchBits(skip);
-}
 // What both budgets leave (select_lod.hpp).
 float FurScene::StrandScale(const LodSettings& lod) const {
   const float scale =
@@ -93,6 +93,10 @@ float FurScene::StrandScale(const LodSettings& lod) const {
   return lod.budget_us > 0 ? std::min(budget_.scale, scale) : scale;
 }
 
+// Nothing is left out of a frame to which state was put back.
+uint32_t FurScene::SwitchesOf(const SkipSettings& skip) const {
+  return memory_.restored ? 0u : SwitchBits(skip);
+}
 
 void FurScene::ForEachSet(const FrameInput& input, auto&& fill) {
   if (origins_.empty()) return fill(0u, input);
@@ -202,12 +206,12 @@ void FurScene::FillLayers(const FrameInput& input, Air air) {
     if (rates) {
       block.flags |= kLayerRatesGiven;
     }
+    block.importance = ImportanceOf(l, input);
+    if (block.importance == 0.0f) block.flags &= ~uint32_t(kLayerEnabled);
     if (block.flags & kLayerModal) {
       block.frame_ratio = float(last_dt_s_ > 0.0 ? dt_s / FrameInHistory(last_dt_s_) : 1.0);
     }
   }
-    block.importance = ImportanceOf(l, input);
-    if (block.importance == 0.0f) block.flags &= ~uint32_t(kLayerEnabled);
 }
 
 // This frame's view, relative to last frame's origin, as the last boxes are: this frame's come with its poses, in
@@ -218,12 +222,12 @@ View FurScene::LayerView(uint32_t layer, const FrameInput& in) const {
   View view = ViewFrom(set, in);
   if (!origins_.empty())
     for (int k = 0; k < 3; ++k) view.eye[k] = view.eye[k] + origins_[set].shift[k];
+  const float importance = ImportanceOf(layer, in);
+  if (importance > 0.0f) view.pixels_per_unit_at_1m *= importance;
   return view;
 }
 
 ModalQuality FurScene::LayerQuality(uint32_t layer, const FrameInput& in) const {
-  const float importance = ImportanceOf(layer, in);
-  if (importance > 0.0f) view.pixels_per_unit_at_1m *= importance;
   const ModalQuality asked = layer_params_[layer].quality, last = modal_[layer].quality();
   if (first_frame_) return asked;
   return QualityOnScreen(asked, last, LayerView(layer, in), *memory_.Of<&Streams::bounds>(layer),

@@ -488,7 +488,7 @@ const char* FurScene::Restore(std::span<const std::byte> from) {
     at += 4 * size_t(block.words);
   }
   memory_.paused = false;
-  restored_ = true;
+  restored_ = is_cut_ = true;
   return nullptr;
 }
 

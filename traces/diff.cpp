@@ -112,6 +112,17 @@ std::vector<Field> FieldsOf(const FrameInput& input) {
     flatten(Format("weather[{}].wetness", w), input.weather[w].wetness);
     flatten(Format("weather[{}].dirt", w), input.weather[w].dirt);
   }
+  ListLayerLists(
+      [&](const char* list, const auto& elements) {
+        flatten(Format("{}.count", list), uint32_t(elements.size()));
+        for (size_t i = 0; i < elements.size(); ++i)
+          ListElement(
+              [&](const char* field, const auto& value) {
+                flatten(Format("{}[{}]{}{}", list, i, *field ? "." : "", field), value);
+              },
+              elements[i]);
+      },
+      input);
   return std::move(flatten.fields);
 }
 

@@ -4,8 +4,8 @@
 //
 // An archive is called with each field's name and the field: double, float, uint32_t, bool, or an
 // array of floats. Spheres (as many as sphere_count says), capsules, lights, irradiance samples,
-// brushes and weather follow; each user lists them after checking the count. Colliders' velocities
-// stand apart, at a recording's end.
+// brushes and weather follow; each user lists them after checking the count. Colliders' velocities, and lists
+// about layers and strands, stand apart, at a recording's end.
 #pragma once
 
 #include "core/frame_input.hpp"
@@ -128,6 +128,30 @@ void ListColliderVelocities(auto&& archive, auto& in) {
     archive("capsule", c, "from_velocity", in.capsule[c].from_velocity);
     archive("capsule", c, "to_velocity", in.capsule[c].to_velocity);
   }
+}
+
+// One strand that is written.
+void ListStrandFields(auto&& archive, auto& strand) {
+  archive("layer", strand.layer);
+  archive("strand", strand.strand);
+  archive("base_colour", strand.base_colour);
+  archive("tip_colour", strand.tip_colour);
+  archive("width", strand.width);
+  archive("film_strip", strand.film_strip);
+}
+
+// Lists about layers and strands, of an input or of an InputLogLists. `list` is called with the name and the list;
+// ListElement calls `archive` with the fields of an element of any of them.
+void ListLayerLists(auto&& list, auto& in) {
+  list("importance", in.importance);
+  list("cut", in.cut);
+  list("strands", in.strands);
+}
+void ListElement(auto&& archive, auto& element) {
+  if constexpr (requires { element.film_strip; })
+    ListStrandFields(archive, element);
+  else
+    archive("", element);
 }
 
 }  // namespace pelt

@@ -2,6 +2,7 @@
 // input_fields.hpp.
 #include "traces/input_log.hpp"
 
+#include <algorithm>
 #include <cstring>
 #include <utility>
 
@@ -89,7 +90,7 @@ class Reader {
 
 struct Counts {
   uint32_t grooms = 0, characters = 0, frames = 0;
-  bool snapshot = false;
+  bool snapshot = false, lists = false;
 };
 
 Counts ReadHeader(Reader& reader, std::span<const std::byte> file, InputLog& log) {
@@ -116,14 +117,16 @@ Counts ReadHeader(Reader& reader, std::span<const std::byte> file, InputLog& log
     reader.Fail(kHashAt, "the content does not match its hash: the file is damaged");
   const uint32_t known = kWithIndexBuffer | (log.version >= 5 ? kWithVelocities : 0u) |
                          (log.version >= 6 ? kWithOrigins : 0u) |
-                         (log.version >= 7 ? kWithSnapshot : 0u);
+                         (log.version >= 7 ? kWithSnapshot : 0u) |
+                         (log.version >= 10 ? kWithLists : 0u);
   if (options & ~known)
-    reader.Fail(
-        16, Format("options are {}, version {} has none above {}", options, log.version, known));
+    reader.Fail(kOptionsAt, Format("options are {}, version {} has none above {}", options,
+                                   log.version, known));
   log.about.index_buffer = (options & kWithIndexBuffer) != 0;
   log.about.velocities = (options & kWithVelocities) != 0;
   log.about.origins = (options & kWithOrigins) != 0;
   counts.snapshot = (options & kWithSnapshot) != 0;
+  counts.lists = (options & kWithLists) != 0;
   if (counts.characters == 0 || counts.characters > kCharactersLimit)
     reader.Fail(24, Format("{} characters, not 1 to {}", counts.characters, kCharactersLimit));
   if (counts.grooms == 0 || counts.grooms > counts.characters)
@@ -292,6 +295,36 @@ void ReadColliderVelocities(Reader& reader, InputLog& log) {
   }
 }
 
+// Frames whose lists are not the last frame's, in their order.
+void ReadLists(Reader& reader, InputLog& log) {
+  reader.Section("lists");
+  const size_t count_at = reader.At();
+  const auto count = reader.Get<uint32_t>();
+  reader.CheckCount(count_at, count, 4 * 4, "frames");
+  if (reader.failed()) return;
+  log.lists.reserve(count);
+  for (uint32_t i = 0, next = 0; i < count && !reader.failed(); ++i) {
+    const size_t at = reader.At();
+    InputLogLists& lists = log.lists.emplace_back();
+    lists.frame = reader.Get<uint32_t>();
+    if (lists.frame < next || lists.frame >= log.FrameCount())
+      reader.Fail(
+          at, Format("frame {}, not one from {} on of {}", lists.frame, next, log.FrameCount()));
+    next = lists.frame + 1;
+    ListLayerLists(
+        [&reader](const char* name, auto& list) {
+          using Element = std::remove_reference_t<decltype(list[0])>;
+          const size_t size_at = reader.At();
+          const auto size = reader.Get<uint32_t>();
+          reader.CheckCount(size_at, size, sizeof(Element), name);
+          if (reader.failed()) return;
+          list.resize(size);
+          for (Element& element : list) ListElement(reader, element);
+        },
+        lists);
+  }
+}
+
 // Of a frame without spheres, capsules, lights, brushes, weather and poses.
 uint64_t LeastFrameBytes(uint32_t characters, const InputLog& log) {
   std::vector<std::byte> input;
@@ -318,7 +351,19 @@ FrameInput InputLog::Input(uint32_t frame) const {
   FrameInput input = frames[frame].input;
   input.weather =
       std::span(weather).subspan(frames[frame].first_weather, frames[frame].weather_count);
+  const auto later = std::ranges::upper_bound(lists, frame, {}, &InputLogLists::frame);
+  if (later == lists.begin()) return input;
+  const InputLogLists& now = later[-1];
+  input.importance = now.importance;
+  input.cut = now.cut;
+  input.strands = now.strands;
   return input;
+}
+
+uint32_t InputLog::MostStrandWrites() const {
+  size_t most = 0;
+  for (const InputLogLists& some : lists) most = std::max(most, some.strands.size());
+  return uint32_t(most);
 }
 
 void InputLog::FillPose(uint32_t frame, uint32_t character, PoseBlock* pose) const {
@@ -366,6 +411,7 @@ Result<InputLog> ReadInputLog(std::span<const std::byte> bytes, const std::strin
     ReadFrame(reader, f, log);
   }
   if (log.version >= 6 && !reader.failed()) ReadColliderVelocities(reader, log);
+  if (counts.lists && !reader.failed()) ReadLists(reader, log);
   if (reader.Left() != 0)
     reader.Fail(reader.At(), Format("{} bytes behind the last frame", reader.Left()));
   if (reader.failed()) return Failure{std::move(error)};

@@ -1,8 +1,8 @@
 // The input log: all input of a run, so that it can be run again bit for bit, elsewhere.
 //
 //      header      magic "PELTINP\n", version, strands per chunk, options (bit 0: index buffer,
-//                  bit 1: velocities, bit 2: origins, bit 3: snapshot), number of grooms, characters and
-//                  frames, file size, hash
+//                  bit 1: velocities, bit 2: origins, bit 3: snapshot, bit 4: lists), number of grooms,
+//                  characters and frames, file size, hash
 //      texts       scene, note
 //      characters  the number of each one's groom
 //      grooms      each as the bytes of a groom file, opaque here
@@ -12,6 +12,8 @@
 //                  origins the frame's and each character's, digest: one after the other
 //      colliders   from version 6 on: the number of frames in which some collider has a velocity;
 //                  of each, its number and the velocities
+//      lists       where there are any: the number of frames in which FrameInput's importance, cut or
+//                  strands are not the last frame's; of each, its number and these, each with its length
 //
 // An engine records by itself, without a scenario: Begin once, AddFrame after every frame, Finish.
 // What it sends can be replayed on any machine, and the recorded digests say whether that machine
@@ -41,8 +43,8 @@ namespace pelt {
 
 // 1: without capsules, 2: without lights, 3: without brushes, 4: without velocities, 5: without
 // origins, a modal quality by size on the screen and velocities of colliders, 6: without a snapshot,
-// 7: all chains simulated; all still read.
-inline constexpr uint32_t kInputLogVersion = 9;
+// 7: all chains simulated, 8: without a budget of time, 9: without lists; all still read.
+inline constexpr uint32_t kInputLogVersion = 10;
 
 // The joints in use of a PoseBlock.
 struct PackedPose {
@@ -57,8 +59,16 @@ struct PackedRates {
   size_t first_word = 0;  // in InputLog::pose_words
 };
 
+// What of a frame's input is about layers and strands, until a later frame's.
+struct InputLogLists {
+  uint32_t frame = 0;
+  std::vector<float> importance;
+  std::vector<uint8_t> cut;
+  std::vector<StrandWrite> strands;
+};
+
 struct InputLogFrame {
-  FrameInput input;          // without weather: see InputLog::Input
+  FrameInput input;          // without weather and lists: see InputLog::Input
   size_t first_weather = 0;  // in InputLog::weather
   uint32_t weather_count = 0;
   uint64_t digest = 0;  // of the frame, as FurScene::DigestFrame gives it
@@ -90,12 +100,15 @@ struct InputLog {
   std::vector<double> origins;     // with about.origins: [frame][character][axis], m
   std::vector<uint32_t> pose_words;
   std::vector<Weather> weather;
+  std::vector<InputLogLists> lists;  // by ascending frame
   uint64_t file_bytes = 0;
 
   uint32_t FrameCount() const { return uint32_t(frames.size()); }
   uint32_t CharacterCount() const { return uint32_t(character_groom.size()); }
   // Valid as long as the log.
   FrameInput Input(uint32_t frame) const;
+  // What SceneOptions::strand_writes has to be for it.
+  uint32_t MostStrandWrites() const;
   // Writes every byte of `pose`; joints not in use are 0.
   void FillPose(uint32_t frame, uint32_t character, PoseBlock* pose) const;
   // Of a log with about.origins; else 0.
@@ -139,6 +152,9 @@ class InputLogWriter {
  private:
   std::vector<std::byte> bytes_, collider_bytes_;  // the latter: of frames that have velocities
   uint32_t collider_frames_ = 0;                   // how many these are
+  std::vector<std::byte> list_bytes_;              // likewise, of frames whose lists are others
+  uint32_t list_frames_ = 0;
+  InputLogLists last_lists_;
   std::vector<std::vector<std::byte>> last_pose_, last_rates_;  // of each character, as written
   bool velocities_ = false, origins_ = false;
   uint32_t frame_count_ = 0;

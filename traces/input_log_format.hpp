@@ -20,6 +20,7 @@
 namespace pelt::input_log {
 
 inline constexpr std::string_view kMagic = "PELTINP\n";
+inline constexpr size_t kOptionsAt = 16;
 inline constexpr size_t kGroomCountAt = 20;
 inline constexpr size_t kFrameCountAt = 28;
 inline constexpr size_t kFileBytesAt = 32;
@@ -31,7 +32,7 @@ inline constexpr uint32_t kCharactersLimit = kLayersPerScene;
 inline constexpr uint8_t kPoseUnchanged = 0, kPoseFollows = 1;
 inline constexpr uint8_t kRatesUnchanged = 0, kRatesFollow = 1, kNoRatesGiven = 2;
 inline constexpr uint32_t kWithIndexBuffer = 1u << 0, kWithVelocities = 1u << 1,
-                          kWithOrigins = 1u << 2, kWithSnapshot = 1u << 3;
+                          kWithOrigins = 1u << 2, kWithSnapshot = 1u << 3, kWithLists = 1u << 4;
 
 template <class T>
 void PutNumber(std::vector<std::byte>& to, T value) {
@@ -100,7 +101,7 @@ struct Writer {
     } else if constexpr (std::is_array_v<T>) {
       for (const auto& element : value) (*this)("", element);
     } else {
-      static_assert(std::is_same_v<T, uint32_t>);
+      static_assert(std::is_same_v<T, uint32_t> || std::is_same_v<T, uint8_t>);
       PutNumber(bytes, value);
     }
   }

@@ -76,6 +76,12 @@ bool HaveColliderVelocities(const FrameInput& input) {
   return any;
 }
 
+template <class T>
+bool SameBits(std::span<const T> a, const std::vector<T>& b) {
+  return a.size() == b.size() &&
+         (b.empty() || std::memcmp(a.data(), b.data(), a.size_bytes()) == 0);
+}
+
 }  // namespace
 
 const char* InputLogWriter::Begin(const InputLogScene& about,
@@ -98,8 +104,10 @@ const char* InputLogWriter::Begin(const InputLogScene& about,
   last_rates_.assign(character_grooms.size(), {});
   velocities_ = about.velocities;
   origins_ = about.origins;
-  frame_count_ = collider_frames_ = 0;
+  frame_count_ = collider_frames_ = list_frames_ = 0;
   collider_bytes_.clear();
+  list_bytes_.clear();
+  last_lists_ = {};
   bytes_.assign(AsBytes(kMagic).begin(), AsBytes(kMagic).end());
   // Without a snapshot it is what earlier programs read too.
   PutNumber(bytes_, kInputLogVersion);
@@ -143,6 +151,8 @@ const char* InputLogWriter::AddFrame(const FrameInput& input, std::span<const Po
       input.lighting.sample_count > kIrradianceSamplesPerScene)
     return "more lights or irradiance samples than a scene can have";
   if (input.brush_count > kBrushesPerScene) return "more brushes than a scene can have";
+  if (input.importance.size() > kLayersPerScene)
+    return "importance of more layers than a scene has";
   for (const PoseBlock& pose : poses)
     if (pose.joint_count > kJointsPerCharacter)
       return "a pose of more joints than a character can have";
@@ -173,6 +183,21 @@ const char* InputLogWriter::AddFrame(const FrameInput& input, std::span<const Po
                            input);
     ++collider_frames_;
   }
+  if (!SameBits(input.importance, last_lists_.importance) ||
+      !SameBits(input.cut, last_lists_.cut) || !SameBits(input.strands, last_lists_.strands)) {
+    Writer list_writer{list_bytes_};
+    PutNumber(list_bytes_, frame_count_);
+    ListLayerLists(
+        [&](const char*, const auto& list) {
+          PutNumber(list_bytes_, uint32_t(list.size()));
+          for (const auto& element : list) ListElement(list_writer, element);
+        },
+        input);
+    last_lists_.importance.assign(input.importance.begin(), input.importance.end());
+    last_lists_.cut.assign(input.cut.begin(), input.cut.end());
+    last_lists_.strands.assign(input.strands.begin(), input.strands.end());
+    ++list_frames_;
+  }
   ++frame_count_;
   return nullptr;
 }
@@ -182,6 +207,12 @@ std::vector<std::byte> InputLogWriter::Finish() const {
   if (file.empty()) return file;
   PutNumber(file, collider_frames_);
   file.insert(file.end(), collider_bytes_.begin(), collider_bytes_.end());
+  if (list_frames_ > 0) {
+    const auto options = GetNumber<uint32_t>(file.data() + kOptionsAt);
+    PutNumberAt(file, kOptionsAt, options | kWithLists);
+    PutNumber(file, list_frames_);
+    file.insert(file.end(), list_bytes_.begin(), list_bytes_.end());
+  }
   PutNumberAt(file, kFrameCountAt, frame_count_);
   PutNumberAt(file, kFileBytesAt, uint64_t(file.size()));
   PutNumberAt(file, kHashAt, HashOf(file));

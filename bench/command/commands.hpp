@@ -79,7 +79,8 @@ struct RunArgs {
   double fps = 0.0;                      // 0: the scenario's own
   std::string costs;                     // file of pelt calibrate, for options.lod.budget_us
   CameraChoice camera;
-  PaintAmounts paint = {};  // of all of every character; none: as the scenario has it
+  PaintAmounts paint = {};   // of all of every character; none: as the scenario has it
+  std::string haircut = {};  // picture of what is cut off; empty: nothing
   PictureArgs picture;
   OutputPath trace;            // Chrome trace file to write
   uint32_t trace_frames = 10;  // the last ones; 0: all

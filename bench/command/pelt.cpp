@@ -100,6 +100,8 @@ void AddRun(CLI::App& app, RunArgs& args, WeatherCourse& weather) {
   AddTimeAndWeather(app, args.fps, weather);
   AddCamera(app, args.camera);
   AddPaint(app, args.paint);
+  AddInputFile(app, "--haircut", args.haircut,
+               "A .png or .jpg over the skin's texture: fur is cut off where it is dark");
   app.add_flag("!--no-digest", args.options.digest, "Do not take digests");
 }
 

@@ -101,6 +101,7 @@ Scenario LoadForRun(const RunArgs& args, std::FILE* notes) {
   if (notes) PrintNotes(scenario.notes, notes);
   if (args.weather) scenario.weather_course = *args.weather;
   if (IsPainted(args)) PaintAll(scenario, args.paint);
+  if (!args.haircut.empty()) CutHair(scenario, args.haircut);
   if (args.fps > 0.0) scenario.dt_s = 1.0 / args.fps;
   scenario.origins = args.options.scene.origins;
   PlaceCamera(args.camera, scenario,

@@ -116,6 +116,8 @@ std::string DescribeSettings(const RunArgs& args) {
     all.push_back("plan " + std::filesystem::path(args.request.plan).filename().string());
   if (!args.request.lights.empty())
     all.push_back("lights " + std::filesystem::path(args.request.lights).filename().string());
+  if (!args.haircut.empty())
+    all.push_back("haircut " + std::filesystem::path(args.haircut).filename().string());
   if (args.fps > 0.0) all.push_back(fmt::format("{} fps", args.fps));
   if (args.weather)
     all.push_back(fmt::format("wetness {}, dirt {} from frame {}", args.weather->wetness,

@@ -118,6 +118,7 @@ const FrameInput& Scenario::PrepareFrame(uint32_t frame, FurScene& scene) {
     weather_[a].dirt = float(weather_course.dirt * share * actors[a].weather_share);
   }
   input_.weather = weather_;
+  input_.cut = cut;
   if (more && frame < rest_from_frame) more(frame, scene, input_);
   if (place != glm::dvec3(0.0)) Place();
   return input_;
@@ -126,6 +127,7 @@ const FrameInput& Scenario::PrepareFrame(uint32_t frame, FurScene& scene) {
 RunningScenario::RunningScenario(Scenario& scenario, SceneOptions options) : scenario_(&scenario) {
   options.velocities |= scenario.velocities;
   options.origins |= scenario.origins;
+  options.strand_writes = std::max(options.strand_writes, scenario.strand_writes);
   scene_ = FurScene::Create(scenario.ActorGrooms(), options).OrThrow();
 }
 

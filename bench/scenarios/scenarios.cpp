@@ -377,6 +377,19 @@ Scenario LoadScenario(const ScenarioRequest& request, const LoadProgress& progre
   return scenario;
 }
 
+void CutHair(Scenario& scenario, const std::string& path) {
+  const ControlMap stencil = ReadControlMapFile(path);
+  scenario.cut.clear();
+  for (const Actor& actor : scenario.actors) {
+    const Character& character = scenario.characters[actor.character];
+    if (character.mesh.uv.empty())
+      throw Error(fmt::format("{}: a haircut lies over texture coordinates, and {} has none", path,
+                              character.name));
+    const std::vector<uint8_t> cut = CutByStencil(scenario.grooms[actor.groom], stencil);
+    scenario.cut.insert(scenario.cut.end(), cut.begin(), cut.end());
+  }
+}
+
 void PaintAll(Scenario& scenario, const PaintAmounts& amounts) {
   constexpr float kAround_m = 1000.0f;
   for (Groom& groom : scenario.grooms)

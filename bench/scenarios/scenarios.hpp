@@ -124,7 +124,8 @@ struct Scenario {
   std::vector<MovingSphere> spheres;      // at most kSpheresPerScene
   std::vector<CapsuleCollider> capsules;  // at most kCapsulesPerScene
   WeatherCourse weather_course;
-  bool velocities = false;  // poses come with those of their clips (SceneOptions::velocities)
+  bool velocities = false;     // poses come with those of their clips (SceneOptions::velocities)
+  uint32_t strand_writes = 0;  // that its frames may have (SceneOptions::strand_writes)
   // Every character has an origin near it (SceneOptions::origins), which goes its own way.
   bool origins = false;
   glm::dvec3 place{0.0};  // where all of it is in the world, m
@@ -133,6 +134,7 @@ struct Scenario {
   // What else its course does, until it rests; poses lie in the scene.
   std::function<void(uint32_t frame, FurScene& scene, FrameInput& input)> more;
   bool keeps_poses = false;  // some pose of the course is to be refused: its character stands still
+  std::vector<uint8_t> cut;  // of every frame (FrameInput::cut); empty: none
   FrameInput base;           // what does not change from frame to frame
   std::vector<PaintBrush>
       first_brushes;  // of frame 0 alone, behind those of `base`; together at most kBrushesPerScene
@@ -187,6 +189,9 @@ struct ScenarioRequest {
 using PaintAmounts = std::array<float, kPaintChannels>;  // 0 to 1, by PaintChannel
 // Has every layer of strands lit and painted, and paints all of every character in frame 0.
 void PaintAll(Scenario& scenario, const PaintAmounts& amounts);
+
+// Cuts off what stands where the picture of this file is dark, on every character. Throws Error.
+void CutHair(Scenario& scenario, const std::string& path);
 
 std::span<const std::string_view> ScenarioNames();
 

@@ -21,7 +21,9 @@ namespace {
 [[maybe_unused]] void EveryInputIsListed(const FrameInput& in) {
   [[maybe_unused]] const auto& [dt, time, origin, camera, wind, gravity, use_ground, ground,
                                 ground_speed, spheres, sphere, sphere_speed, capsules, capsule,
-                                weather, importance, lighting, brushes, brush, lod, skip] = in;
+                                weather, importance, cut, strands, lighting, brushes, brush, lod,
+                                skip] = in;
+  [[maybe_unused]] const auto& [of_layer, strand, base, tip, width, strip] = StrandWrite{};
   [[maybe_unused]] const auto& [centre, brush_radius, hardness, channel, amount] = brush[0];
   [[maybe_unused]] const auto& [from, to, radius, character, joint, from_speed, to_speed] =
       capsule[0];
@@ -292,6 +294,31 @@ void AddWind(std::vector<InputChange>& changes) {
                      [blow](FrameInput& in) { blow(in, kTooWeak); }});
 }
 
+// Layers that are switched off or matter less, strands that are cut off, and one that is written.
+void AddLists(const FurScene& scene, std::vector<InputChange>& changes) {
+  const SceneShape& shape = scene.shape();
+  const auto add = [&](std::string name, InputChange::Part part, auto list, auto member) {
+    const auto kept = std::make_shared<decltype(list)>(std::move(list));
+    changes.push_back({std::move(name), part, InputChange::Type::kOneWay,
+                       [kept, member](FrameInput& in, FurScene&, Amount) { in.*member = *kept; }});
+  };
+  for (uint32_t l = 0; l < shape.layer_count; ++l) {
+    std::vector<float> importance(shape.layer_count, 1.0f);
+    importance[l] = 0.0f;
+    add(fmt::format("layer {} off", l), InputChange::Part::kFrame, importance,
+        &FrameInput::importance);
+    importance[l] = 0.25f;
+    add(fmt::format("layer {} less important", l), InputChange::Part::kLod, importance,
+        &FrameInput::importance);
+    if (shape.layer_kind[l] & kLayerShells) continue;
+    add(fmt::format("a strand of layer {} written", l), InputChange::Part::kFrame,
+        std::vector<StrandWrite>{{l, 0, 0xff2040ff, 0xffff8000, 0.001f, 1}}, &FrameInput::strands);
+  }
+  std::vector<uint8_t> cut(size_t(kStrandsPerChunk) * shape.chunk_count);
+  for (size_t place = 0; place < cut.size(); place += 3) cut[place] = 1;
+  add("strands cut off", InputChange::Part::kFrame, std::move(cut), &FrameInput::cut);
+}
+
 // The camera looks along an axis and moves across it: no strand's depth changes, so no sort key
 // does, and what faces the camera does all the same. So little that none turns its back.
 void AddEye(std::vector<InputChange>& changes) {
@@ -365,6 +392,7 @@ std::vector<InputChange> ListInputChanges(const FrameInput& input, const FurScen
   AddWind(changes);
   AddEye(changes);
   AddThinning(input, scene, changes);
+  AddLists(scene, changes);
   AddPoses(scene, changes);
   return changes;
 }

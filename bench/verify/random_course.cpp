@@ -158,7 +158,11 @@ void DrawCamera(Random& random, Scenario& scenario) {
 
 // What holds for some frames alone.
 struct Spans {
-  Span ground, wind, speeds, rates, lights, last_light, brushes, spheres, aside, bad_pose;
+  Span ground, wind, speeds, rates, lights, last_light, brushes, spheres, aside, bad_pose,
+      importance, cut, writes;
+  std::vector<float> importances;
+  std::vector<uint8_t> cuts;
+  std::vector<StrandWrite> strands;
   uint64_t steps;  // what their lengths are drawn from
   double dt_s;
 };
@@ -180,6 +184,9 @@ void RunCourse(const Spans& spans, uint32_t frame, FurScene& scene, FrameInput& 
   if (!spans.lights.Holds(frame)) in.lighting.light_count = in.lighting.sample_count = 0;
   if (spans.last_light.Holds(frame) && in.lighting.light_count > 0) --in.lighting.light_count;
   if (!spans.brushes.Holds(frame)) in.brush_count = 0;
+  if (spans.importance.Holds(frame)) in.importance = spans.importances;
+  if (spans.cut.Holds(frame)) in.cut = spans.cuts;
+  if (spans.writes.Holds(frame)) in.strands = spans.strands;
   Camera& camera = in.camera;
   if (spans.aside.Holds(frame))
     for (int c = 0; c < 3; ++c) camera.target[c] = 2.0f * camera.eye[c] - camera.target[c];
@@ -199,6 +206,27 @@ void RunCourse(const Spans& spans, uint32_t frame, FurScene& scene, FrameInput& 
     scene.Pose(scene.shape().character_count - 1).root[0] = std::numeric_limits<float>::quiet_NaN();
 }
 
+// Layers that are off or matter more or less, strands that are cut off, and one written in each layer.
+void DrawLists(Random& random, Scenario& scenario, Spans& spans) {
+  constexpr float kImportances[] = {0.0f, 0.1f, 1.0f, 1.0f, 4.0f};
+  for (const Actor& actor : scenario.actors) {
+    const Groom& groom = scenario.grooms[actor.groom];
+    for (const GroomLayer& layer : groom.layers) {
+      const auto number = uint32_t(spans.importances.size());
+      spans.importances.push_back(kImportances[random.Below(5)]);
+      if (layer.params.output == Output::kShells) continue;
+      const uint32_t strands = groom.strands[layer.first_chunk].strand_count;
+      spans.strands.push_back({number, random.Below(strands), random.U32(), random.U32(),
+                               float(random.Uniform(0.0, kWidestWrite)), random.Below(256)});
+    }
+    for (size_t place = 0; place < kStrandsPerChunk * groom.strands.size(); ++place)
+      spans.cuts.push_back(random.Below(3) == 0);
+  }
+  scenario.strand_writes = uint32_t(spans.strands.size());
+  for (Span* span : {&spans.importance, &spans.cut, &spans.writes})
+    if (random.Below(3) == 0) *span = DrawSpan(random);
+}
+
 // For the characters that the scenario has.
 void DrawCourse(Random& random, Scenario& scenario) {
   DrawColliders(random, scenario);
@@ -214,6 +242,7 @@ void DrawCourse(Random& random, Scenario& scenario) {
     *span = DrawSpan(random);
   if (random.Below(4) == 0) spans.aside = DrawSpan(random);
   if (random.Below(4) == 0) spans.bad_pose = DrawSpan(random);
+  DrawLists(random, scenario, spans);
   spans.steps = random.U64();
   constexpr double kSteps[] = {1.0 / 60.0, 1.0 / 60.0, 1.0 / 30.0, 1.0 / 144.0};
   spans.dt_s = kSteps[random.Below(4)];

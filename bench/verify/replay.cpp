@@ -27,6 +27,7 @@ std::vector<const Groom*> GroomOfEach(const InputLog& log, const std::vector<Gro
 SceneOptions WithOptionsOf(const InputLog& log, SceneOptions options) {
   options.velocities = log.about.velocities;
   options.origins = log.about.origins;
+  options.strand_writes = log.MostStrandWrites();
   options.vertex_order = log.about.index_buffer ? VertexOrder::kIndexBuffer : VertexOrder::kSorted;
   return options;
 }

@@ -197,6 +197,7 @@ Scenario MakeVerifiedScene(const Scenario& scenario) {
   last.character = uint32_t(verified.characters.size()) - 1;
   AddDenormals(verified.grooms[last.groom], verified.characters[last.character]);
   AddBrushes(verified);
+  verified.strand_writes = 1;
   return verified;
 }
 

@@ -177,4 +177,16 @@ Groom BakeGroom(const Character& character, const RestGeometry& rest, const FurS
   return groom;
 }
 
+std::vector<uint8_t> CutByStencil(const Groom& groom, const ControlMap& stencil, int channel) {
+  const FloatEnvironment guard;
+  std::vector<uint8_t> cut;
+  cut.reserve(groom.strand_uv.size() * kStrandsPerChunk);
+  for (const StrandUvBlock& block : groom.strand_uv)
+    for (const uint32_t uv : block.uv) {
+      const glm::vec2 at(float(uv & 0xffffu) / 65535.0f, float(uv >> 16) / 65535.0f);
+      cut.push_back(stencil.Sample(at, channel) < 0.5f);
+    }
+  return cut;
+}
+
 }  // namespace pelt

@@ -46,4 +46,9 @@ Groom BakeGroom(const Character& character, const RestGeometry& rest, const FurS
                 ScatterStats* stats = nullptr, std::vector<LayerDensity>* densities = nullptr,
                 std::vector<std::string>* notes = nullptr);
 
+// A haircut for FrameInput::cut, of the groom's layers one after the other: what stands where the picture, laid over
+// the skin's texture coordinates, is darker than half in this channel is cut off. Of a character without coordinates
+// all strands stand at u = v = 0.
+std::vector<uint8_t> CutByStencil(const Groom& groom, const ControlMap& stencil, int channel = 0);
+
 }  // namespace pelt

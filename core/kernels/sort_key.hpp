@@ -9,7 +9,7 @@
 //
 // -0 becomes +0 first, so equal depths have equal keys; depths are clamped to finite values, so no
 // key can be kCulledKey (that would be a NaN's). Strands whose root normal faces away by more than
-// the layer's tolerance, and lanes that do not live, are kCulledKey.
+// the layer's tolerance, that are cut off, and lanes that do not live, are kCulledKey.
 //
 // Invariant: all lanes of the block are written, and keys_changed tells whether any differs from
 // last frame's; on a restart it is set in any case, since the keys may be left from a time when
@@ -35,6 +35,27 @@ PELT_INLINE typename V::Int FarToNearKey(V depth) {
   const I bits = Bits(depth + V(0.0f));
   return Select(bits < I(0), bits, bits ^ I(0x7fffffff));
 }
+
+namespace sort_key_detail {
+
+alignas(64) inline constexpr uint32_t kBitOfLane[kLaneGroup] = {
+    1u << 0, 1u << 1, 1u << 2,  1u << 3,  1u << 4,  1u << 5,  1u << 6,  1u << 7,
+    1u << 8, 1u << 9, 1u << 10, 1u << 11, 1u << 12, 1u << 13, 1u << 14, 1u << 15};
+
+template <class V>
+PELT_INLINE typename V::Mask AreCut(const ChunkStateBlock& state, uint32_t lane) {
+  using I = typename V::Int;
+  const I word = I(int32_t(state.cut[lane / 32] >> lane % 32));
+  return !((word & I::Load(kBitOfLane)) == I(0));
+}
+
+PELT_INLINE bool HasCut(const ChunkStateBlock& state) {
+  uint32_t any = 0;
+  for (const uint32_t word : state.cut) any |= word;
+  return any != 0;
+}
+
+}  // namespace sort_key_detail
 
 template <class V, uint32_t kPoints>
 struct SortKey {
@@ -73,6 +94,8 @@ struct SortKey {
     const bool cull = (ports.layer->flags & kLayerBackFaceCull) != 0;
     const V least_facing = V(-ports.layer->backface_tolerance);
     const uint32_t live = ports.state->live_strands;
+    const Place place = FindPlace(ports.layer->sort_place);
+    const bool has_cut = sort_key_detail::HasCut(*ports.state);
     uint32_t* keys = ports.keys->key;
 
     I seen = I(0);
@@ -91,6 +114,7 @@ struct SortKey {
         const Vec3<V> to_eye = Normalize(eye - Load3<V>(ports.roots->position, lane));
         culled = culled | (Dot(Load3<V>(ports.roots->normal, lane), to_eye) < least_facing);
       }
+      if (has_cut) culled = culled | sort_key_detail::AreCut<V>(*ports.state, lane);
       const I key = Select(culled, I(int32_t(kCulledKey)), FarToNearKey(depth));
       differs = differs | !(key == I::Load(keys + lane));
       seen = seen + Select(culled, I(0), I(1));
@@ -99,7 +123,6 @@ struct SortKey {
     for (; lane < kStrandsPerChunk; lane += V::kLanes) {
       differs = differs | !(I::Load(keys + lane) == I(int32_t(kCulledKey)));
       I(int32_t(kCulledKey)).Store(keys + lane);
-    const Place place = FindPlace(ports.layer->sort_place);
     }
 
     uint32_t visible = 0;

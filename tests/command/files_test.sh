@@ -248,6 +248,7 @@ reader_of() {
     'plan --times') echo "$1 --scene tiny --workers 2 --times @" ;;
     *' --plan') echo "$1 --scene tiny --plan @ $needs" ;;
     *' --lights') echo "$1 --scene tiny --lights ./@ $needs" ;;
+    *' --haircut') echo "$1 --scene tiny --frames 1 --haircut @ $needs" ;;
     'show character') echo "$1 ./@" ;;
     *' file') echo "$1 @" ;;
     *) return 1 ;;

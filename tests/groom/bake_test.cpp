@@ -270,6 +270,27 @@ TEST(Bake, RefusesWhatItCannotMake) {
   EXPECT_THROW(BakeTiny(setup), Error);
 }
 
+// A byte for each place of a strand, as FrameInput::cut has them.
+TEST(Bake, AStencilCutsOffWhatStandsWhereItIsDark) {
+  const Groom groom = BakeTiny();
+  // Black and white side by side: darker than half left of the middle.
+  const ControlMap stencil{2, 1, {0, 255, 0, 255, 255, 0, 255, 255}};
+  const std::vector<uint8_t> cut = CutByStencil(groom, stencil),
+                             other = CutByStencil(groom, stencil, 1);
+  ASSERT_EQ(cut.size(), groom.strands.size() * kStrandsPerChunk);
+  size_t left = 0;
+  for (size_t place = 0; place < cut.size(); ++place) {
+    const uint32_t u =
+        groom.strand_uv[place / kStrandsPerChunk].uv[place % kStrandsPerChunk] & 0xffffu;
+    if (u < 64 || u > 65472 || (u > 32700 && u < 32830)) continue;
+    EXPECT_EQ(cut[place] != 0, u < 32768) << u;
+    EXPECT_EQ(other[place] != 0, u > 32768) << u;
+    left += u < 32768;
+  }
+  EXPECT_GT(left, 0u);
+  EXPECT_LT(left, cut.size());
+}
+
 TEST(Bake, MaxStrandsThatLeavesSkinBareIsAWarning) {
   const auto warn = [](double asked, uint32_t grown, float spacing_m) {
     const LayerDensity layer{"coat", {asked, grown, spacing_m}, 0.05f};

@@ -127,7 +127,7 @@ TEST_F(FurSetupTest, EveryNumberOfALayerLandsInItsMemberAlone) {
   uint32_t tried = 0;
   ForEachLayerParam([&]<class T>(const LayerParamEntry<T>& entry) {
     if constexpr (std::is_same_v<T, float>) {
-      const double value = (entry.low + 3.0 * entry.high) / 4.0;
+      const double value = (entry.low + 4.0 * entry.high) / 5.0;
       const LayerParams read =
           Read("[[layer]]\nname = 'x'\n" + std::string(entry.key) + " = " + std::to_string(value))
               .layers.at(0)

@@ -2,6 +2,7 @@
 // (tests/porting/outside/c_program.c is the engine in C.)
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <string>
 
@@ -113,6 +114,46 @@ TEST(CInterface, NothingThatAFrameReadsIsSetWhileItRuns) {
     EXPECT_EQ(Text(pelt_door_faults(disturbed.get())), "");
     EXPECT_EQ(pelt_digest(disturbed.get()), truth) << "frame " << f;
   }
+}
+
+TEST(CInterface, LayersAndStrandsAreSwitchedFrameByFrame) {
+  PeltSceneOptions options{};
+  options.strand_writes = 1;
+  const OwnScene owner = MakeScene(options);
+  PeltScene* const scene = owner.get();
+  const uint32_t layers = pelt_layer_count(scene), places = pelt_strand_places(scene, 0);
+  EXPECT_GE(places, pelt_strand_count(scene, 0));
+  EXPECT_EQ(pelt_strand_places(scene, layers), 0u);
+  EXPECT_EQ(pelt_layer_character(scene, layers - 1), 0u);
+  EXPECT_EQ(pelt_layer_character(scene, layers), UINT32_MAX);
+  std::vector<float> importance(layers, 1.0f);
+  importance[1] = 0.0f;
+  uint32_t all_places = 0;
+  for (uint32_t l = 0; l < layers; ++l) all_places += pelt_strand_places(scene, l);
+  std::vector<uint8_t> cut(all_places, 0);
+  std::fill_n(cut.begin(), places, uint8_t{1});
+  const PeltStrandWrite write{2, 0, 0xff112233, 0xff445566, 0.002f, 5};
+  const auto drawn = [scene](const PeltFrame& input) {
+    EXPECT_EQ(Text(pelt_begin(scene, &input)), "");
+    EXPECT_EQ(Text(pelt_run(scene, nullptr)), "");
+    return pelt_draws(scene, nullptr, 0);
+  };
+  const uint32_t all = drawn(FrameOf(0));
+  PeltFrame input = FrameOf(1);
+  input.importance = importance.data();
+  input.cut = cut.data();
+  input.strand_write_count = 1;
+  EXPECT_EQ(Text(pelt_begin(scene, &input)), "the strand writes are null");
+  input.strand_writes = &write;
+  EXPECT_EQ(drawn(input) + 2, all) << "the one cut off, the other off";
+  PeltStrandCurve curve{};
+  ASSERT_EQ(pelt_copy_curves(scene, 2, &curve, 1), 1u);
+  EXPECT_EQ(curve.base_colour, write.base_colour);
+  EXPECT_EQ(curve.film_strip, 5u);
+  EXPECT_EQ(pelt_copy_curves(scene, 0, &curve, 1), 0u);
+  EXPECT_GT(pelt_shadow_places(scene, 2, nullptr, 0), 0u);
+  EXPECT_EQ(pelt_shadow_places(nullptr, 2, nullptr, 0), 0u);
+  EXPECT_EQ(drawn(FrameOf(2)), all);
 }
 
 // Of two grooms that share their first byte each is read as far as it goes.

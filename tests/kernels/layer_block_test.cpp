@@ -153,6 +153,17 @@ TEST(LayerBlock, ASagFreeGroomIsHeldAgainstItsDryWeight) {
   EXPECT_FLOAT_EQ(wet.gravity[1], -9.81f * 2.0f * 3.0f);
 }
 
+// Whose strands' looks have the weather, not the colours.
+TEST(LayerBlock, APaintedLayerSaysWhatWetAndDirtyStrandsAre) {
+  LayerParams params;
+  params.lit = params.painted = true;
+  const LayerBlock dry = Fill(params, {}), wet = Fill(params, {1.0f, 0.4f});
+  EXPECT_EQ(dry.darken, params.wet_darken);
+  EXPECT_EQ(wet.darken, params.wet_darken);
+  EXPECT_EQ(wet.wetness, 1.0f);
+  EXPECT_FLOAT_EQ(wet.dirt, 0.4f);
+}
+
 TEST(LayerBlock, DirtColourIsEncodedAsTheBytesAre) {
   LayerParams params;
   params.dirt_colour = {0.0f, 0.5f, 1.5f};
@@ -174,6 +185,9 @@ TEST(LayerBlock, ChangedComparesWithLastFrame) {
   EXPECT_EQ(third.changed, 0u);
   EXPECT_EQ(Fill(params, {0.01f, 0.0f}, &third).changed, 1u);
   EXPECT_EQ(Fill(params, {}, &third, 1.0f / 61.0f).changed, 1u);
+  LayerBlock important = third;  // which LOD alone sees
+  important.importance = 3.0f;
+  EXPECT_EQ(Fill(params, {}, &important).changed, 0u);
   params.tip_width = 0.3f;
   EXPECT_EQ(Fill(params, {}, &third).changed, 1u);
 }

@@ -125,6 +125,25 @@ TEST(SortKey, DeadLanesAreCulledUpToTheCapacity) {
   }
 }
 
+TEST(SortKey, StrandsThatAreCutOffAreCulled) {
+  ForEveryVector([]<class V>(const char* name) {
+    World<5> w(4);
+    w.layer[0].flags = 0;
+    const auto is_cut = [](uint32_t s) { return s % 5 == 2 || s == 31 || s == 32; };
+    uint32_t cut = 0;
+    for (uint32_t s = 0; s < kStrandsPerChunk; ++s)
+      if (is_cut(s)) w.state[0].cut[s / 32] |= 1u << s % 32, ++cut;
+    w.template Run<V>();
+    for (uint32_t s = 0; s < kStrandsPerChunk; ++s)
+      EXPECT_EQ(w.keys[0].key[s] == kCulledKey, is_cut(s)) << name << ' ' << s;
+    EXPECT_EQ(w.state[0].visible_strands, kStrandsPerChunk - cut);
+    for (uint32_t& word : w.state[0].cut) word = 0;
+    w.template Run<V>();
+    EXPECT_EQ(w.state[0].visible_strands, kStrandsPerChunk);
+    EXPECT_EQ(w.state[0].keys_changed, 1u);
+  });
+}
+
 TEST(SortKey, WithoutBackFaceCullingEveryLiveStrandIsDrawn) {
   World<5> w(11);
   w.Run();

@@ -6,7 +6,7 @@
 set -euo pipefail
 cd "$1"
 # Of fur, by name: the scene, and what is asked of a frame of fur.
-fur='^(jobs/(scene|scene_fill|scene_layout|scene_snapshot|pose_gate|input_check|colliders|origins|draws|lod_budget|c_frame|c_interface)|platform_sim/pricing/record_stage)\.cpp$'
+fur='^(jobs/(scene|scene_fill|scene_layout|scene_snapshot|scene_strands|pose_gate|input_check|colliders|origins|draws|lod_budget|c_frame|c_interface)|platform_sim/pricing/record_stage)\.cpp$'
 files=(traces/digest.cpp jobs/conformance.hpp jobs/*.cpp platform_sim/local_store.cpp platform_sim/pricing/*.cpp
        platform_sim/frame/*.cpp jobs/verify/*.cpp)
 

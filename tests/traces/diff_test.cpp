@@ -130,6 +130,24 @@ TEST(Diff, SpheresAndWeatherAreNamed) {
             "frame 1, input sphere_count: 0x00000001 (1) and 0x00000002 (2)");
 }
 
+TEST(Diff, ListsOfLayersAndStrandsAreNamed) {
+  RecordedFrames base = MakeRecordedFrames();
+  const std::vector<float> ones = {1.0f, 1.0f}, off = {1.0f, 0.0f};
+  const std::vector<StrandWrite> thin = {{0, 3, 0, 0, 0.5f, 0}}, wide = {{0, 3, 0, 0, 2.0f, 0}};
+  base.inputs[2].importance = ones;
+  base.inputs[2].strands = thin;
+  RecordedFrames other = base;
+  other.inputs[2].strands = wide;
+  EXPECT_EQ(Describe(Read(base), Read(other)),
+            "frame 2, input strands[0].width: 0x3f000000 (0.5) and 0x40000000 (2)");
+  other.inputs[2].importance = off;
+  EXPECT_EQ(Describe(Read(base), Read(other)),
+            "frame 2, input importance[1]: 0x3f800000 (1) and 0x00000000 (0)");
+  other.inputs[2].importance = {};
+  EXPECT_EQ(Describe(Read(base), Read(other)),
+            "frame 2, input importance.count: 0x00000002 (2) and 0x00000000 (0)");
+}
+
 TEST(Diff, RowsAndJointsOfAPoseAreNamed) {
   const RecordedFrames base = MakeRecordedFrames();
   RecordedFrames other = base;

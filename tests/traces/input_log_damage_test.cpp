@@ -81,9 +81,9 @@ struct Forgery {
 TEST(InputLogDamage, ForgedCountsAreRefusedByPlace) {
   const std::vector<std::byte> bytes = MakeRecordedFrames().Write();
   const Forgery forgeries[] = {
-      {"version", 8, 10, "byte 8: version 10, this program reads 1 to 9"},
+      {"version", 8, 11, "byte 8: version 11, this program reads 1 to 10"},
       {"no version", 8, 0, "byte 8: version 0"},
-      {"unknown options", 16, 16, "byte 16: options are 16, version 9 has none above 15"},
+      {"unknown options", 16, 32, "byte 16: options are 32, version 10 has none above 31"},
       {"no groom", 20, 0, "byte 20"},
       {"more grooms than characters", 20, 4, "byte 20"},
       {"no character", 24, 0, "byte 24"},

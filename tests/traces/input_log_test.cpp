@@ -88,6 +88,49 @@ TEST(InputLog, GroomsAndPosesAreNotWrittenTwice) {
   EXPECT_EQ(log.poses.size(), 4u + 1u + 4u);  // the second character stands still
 }
 
+// They stand behind all else, of those frames alone in which they change.
+TEST(InputLog, ListsOfLayersAndStrandsComeBack) {
+  RecordedFrames recorded = MakeRecordedFrames();
+  const std::vector<std::byte> without = recorded.Write();
+  const std::vector<float> importance = {0.0f, 2.5f, -0.0f};
+  const std::vector<uint8_t> cut = {0, 1, 0, 255, 7};
+  const std::vector<StrandWrite> strands = {{1, 2, 3, 4, 0.5f, 6}, {7, 8, 9, 10, 0.25f, 12}};
+  recorded.inputs[1].importance = recorded.inputs[2].importance = importance;
+  recorded.inputs[2].cut = cut;
+  recorded.inputs[2].strands = strands;
+  const std::vector<std::byte> bytes = recorded.Write();
+  // Frames 1, 2 and 3 with their numbers and three lengths each; and how many frames.
+  EXPECT_EQ(bytes.size(), without.size() + 4 + 3 * 16 + 2 * 3 * 4 + 5 + 2 * 24);
+  const InputLog log = ReadInputLog(bytes, "x").OrThrow();
+  EXPECT_EQ(log.MostStrandWrites(), 2u);
+  for (uint32_t f = 0; f < 4; ++f) {
+    const FrameInput found = log.Input(f), expected = recorded.Input(f);
+    const auto same = [](const auto& a, const auto& b) {
+      return a.size() == b.size() &&
+             (a.empty() || std::memcmp(a.data(), b.data(), a.size_bytes()) == 0);
+    };
+    EXPECT_TRUE(same(found.importance, expected.importance)) << f;
+    EXPECT_TRUE(same(found.cut, expected.cut)) << f;
+    EXPECT_TRUE(same(found.strands, expected.strands)) << f;
+  }
+  ExpectCutsRefused(bytes);
+  // Of another frame, of one before the last, and longer than the file.
+  const auto forged = [&](size_t at, uint32_t value) {
+    std::vector<std::byte> file = bytes;
+    input_log::PutNumberAt(file, without.size() + at, value);
+    return InputLogError(Reseal(file));
+  };
+  EXPECT_EQ(forged(4, 0u), "");
+  EXPECT_NE(forged(4, 4u).find("lists, byte"), std::string::npos);
+  EXPECT_NE(forged(4, 2u).find("lists, byte"), std::string::npos);
+  EXPECT_NE(forged(8, 0x10000000u).find("do not fit"), std::string::npos);
+  EXPECT_NE(forged(0, 4u), "");
+  // Earlier versions know nothing of them.
+  std::vector<std::byte> older = bytes;
+  input_log::PutNumberAt(older, 8, 9u);
+  EXPECT_NE(InputLogError(Reseal(older)).find("options are"), std::string::npos);
+}
+
 // They stand behind the frames, of those alone that have some.
 TEST(InputLog, CollidersVelocitiesComeBack) {
   RecordedFrames recorded = MakeRecordedFrames();
@@ -128,11 +171,11 @@ TEST(InputLog, OddFloatsKeepTheirBits) {
 }
 
 // The format, byte by byte: must hold on every machine and for every later program that says it
-// reads version 9.
-TEST(InputLog, BytesAreThoseOfVersionNine) {
+// reads version 10.
+TEST(InputLog, BytesAreThoseOfVersionTen) {
   const std::vector<std::byte> bytes = MakeRecordedFrames().Write();
   EXPECT_EQ(std::memcmp(bytes.data(), "PELTINP\n", 8), 0);
-  const uint32_t head[] = {9, kStrandsPerChunk, 0, 2, 3, 4};
+  const uint32_t head[] = {10, kStrandsPerChunk, 0, 2, 3, 4};
   for (size_t b = 0; b < sizeof head; ++b)
     EXPECT_EQ(bytes[8 + b], std::byte(head[b / 4] >> 8 * (b % 4) & 255)) << b;
   ASSERT_EQ(bytes.size(), 222735u);
@@ -407,6 +450,8 @@ TEST(InputLog, TheWriterRefusesWhatCouldNotBeRead) {
   expect_refused([](FrameInput& in) { in.brush_count = kBrushesPerScene + 1; });
   const Weather weather[2];
   expect_refused([&](FrameInput& in) { in.weather = weather; });
+  const std::vector<float> importance(kLayersPerScene + 1, 1.0f);
+  expect_refused([&](FrameInput& in) { in.importance = importance; });
   recorded.poses[0][1].joint_count = kJointsPerCharacter + 1;
   EXPECT_NE(writer.AddFrame(recorded.inputs[0], recorded.poses[0], 0), nullptr);
   EXPECT_EQ(writer.Finish(), before);

@@ -74,6 +74,7 @@ const kIdle = {
   twist: (v) => v.curl === 0,
   curl_follows: (v) => v.curl === 0,
   comb_normal_weight: () => true,  // there are no comb vectors
+  shadow_share: () => true,  // is what shadow passes draw
   bounce: (v) => v.solver === 'modal' && v.points === 5,  // whose tips meet the soft skin too slowly
   tip_width: (v) => v.output === 'instances',  // whose shader does it
   backface_tolerance: (v) => !v.backface_cull,
