@@ -48,7 +48,7 @@ struct Lister {
                     sizeof(Element),
                     std::is_same_v<Element, float>,
                     {}};
-    if constexpr (std::is_same_v<T, std::string>) {
+    if constexpr (kIsBytes<T>) {
       field.data = reinterpret_cast<const std::byte*>(value.data());
       field.count = value.size();
       field.element_bytes = 1;

@@ -225,6 +225,13 @@ glm::dvec3 CombedDirection(const Comb& comb, const glm::vec3& position, const Ro
   return {direction.x * c - direction.y * s, direction.x * s + direction.y * c, direction.z};
 }
 
+// One of `strips`, each as much of the map's range as the others; a texel of 8 bits is never between two.
+uint8_t StripAt(const MapChannel& map, const Place& place, uint32_t strips) {
+  const float read = map.map->Nearest(place.uv, map.channel, place.wrap);
+  const float share = std::clamp(map.low + (map.high - map.low) * read, 0.0f, 1.0f);
+  return uint8_t((share * 255.0f + 0.5f) * float(strips) / 256.0f);
+}
+
 constexpr float kRootShade = 0.6f;  // of fur that is coloured as the surface
 
 bool IsSaid(uint32_t colour) { return colour >> 24 != 0; }
@@ -354,7 +361,9 @@ GroomedStrand AttributeMaker::Groom(const ScatterPoint& point, uint32_t strand) 
   groomed.tip_colour =
       tinted(ColourAt(point.place, layer_.tip_colour, 1.0f), layer_.tip_colour_map);
   const uint32_t strips = std::clamp(layer_.film_strip_count, 1u, 256u);
-  groomed.film_strip = uint8_t(RandomFor(layer_.seed, kFilmStrip, strand).Below(strips));
+  groomed.film_strip = layer_.type_map.map
+                           ? StripAt(layer_.type_map, place, strips)
+                           : uint8_t(RandomFor(layer_.seed, kFilmStrip, strand).Below(strips));
   return groomed;
 }
 

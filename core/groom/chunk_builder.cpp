@@ -427,6 +427,8 @@ void AppendLayer(const LayerBake& bake, std::span<const ChunkPart> chunks,
   layer.chunk_count = uint32_t(chunks.size());
   layer.strand_count = uint32_t(bake.strands.size());
   layer.length_max = FindReach(bake, patches);
+  if (bake.layer.strand_texture)
+    layer.strand_texture = std::make_shared<const StrandTexture>(StrandTextureOf(bake.layer));
   JointBoxes boxes;
   groom.mesh.reserve(groom.mesh.size() + patches.size());
   for (const VertexPatch& patch : patches) {

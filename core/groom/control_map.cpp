@@ -133,4 +133,12 @@ float ControlMap::Sample(glm::vec2 uv, int channel, const std::array<Wrap, 2>& w
   return std::min(std::max(mix(top, bottom, y.share) / 255.0f, 0.0f), 1.0f);
 }
 
+float ControlMap::Nearest(glm::vec2 uv, int channel, const std::array<Wrap, 2>& wrap) const {
+  if (width == 0 || height == 0) return 1.0f;
+  const auto nearest = [](const Blend& b) { return b.share < 0.5f ? b.first : b.second; };
+  const size_t row = nearest(FindTexels(uv.y, height, wrap[1])),
+               column = nearest(FindTexels(uv.x, width, wrap[0]));
+  return float(rgba[(row * width + column) * 4 + size_t(channel)]) / 255.0f;
+}
+
 }  // namespace pelt

@@ -48,6 +48,9 @@ void CheckLayer(const SetupReader& reader, const toml::table& table, const toml:
   };
   check_map(layer.length, "length");
   check_map(layer.width, "width");
+  if (!layer.strand_texture) return;
+  if (const std::string bad = FindBadStrandTexture(StrandTextureOf(layer), params); !bad.empty())
+    FailLayer(reader, table, defaults, "strand_texture", bad);
 }
 
 LayerSetup ReadLayer(SetupReader& reader, const toml::node& node, size_t index,
@@ -65,6 +68,11 @@ LayerSetup ReadLayer(SetupReader& reader, const toml::node& node, size_t index,
 }
 
 }  // namespace
+
+StrandTexture StrandTextureOf(const LayerSetup& layer) {
+  const ControlMap& map = *layer.strand_texture;
+  return {map.width, map.height, layer.film_strip_count, layer.strand_channels, map.rgba};
+}
 
 namespace {
 

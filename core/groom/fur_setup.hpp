@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "core/character/character.hpp"
-#include "core/groom/layer_params.hpp"
+#include "core/groom/strand_texture.hpp"
 #include "core/surroundings.hpp"
 
 namespace pelt {
@@ -24,6 +24,8 @@ struct ControlMap {
   std::vector<uint8_t> rgba;
   // Bilinear; channel 0..3; result in [0, 1].
   float Sample(glm::vec2 uv, int channel, const std::array<Wrap, 2>& wrap = {}) const;
+  // Of the nearest texel alone, for maps of which of several things is where.
+  float Nearest(glm::vec2 uv, int channel, const std::array<Wrap, 2>& wrap = {}) const;
 };
 
 // Decodes a PNG, of any bit depth, or a JPEG of 1..8192 pixels a side; grey fills r, g and b. Throws pelt::Error
@@ -126,7 +128,10 @@ struct LayerSetup {
   Attribute colour_variation;                  // random brightness, share
   MapChannel colour_map;                       // rgb multiplies both colours
   MapChannel base_colour_map, tip_colour_map;  // rgb multiplies one of them
-  uint32_t film_strip_count = 1;               // index is picked at random below it
+  uint32_t film_strip_count = 1;  // index is picked below it: by type_map, or at random
+  MapChannel type_map;
+  std::shared_ptr<const ControlMap> strand_texture;  // of that many strips, side by side
+  StrandChannels strand_channels = StrandChannels::kLook;
 };
 
 // How a strand differs from its layer in how it moves: factors, and how far a link may bend, degrees; 180: any.
@@ -245,6 +250,9 @@ struct LightsSetup {
 
 // In the form that a frame takes them.
 Lighting MakeLighting(const LightsSetup& setup);
+
+// The texture of a layer's strands as a groom has it; the layer has one.
+StrandTexture StrandTextureOf(const LayerSetup& layer);
 
 struct FurSetup {
   std::string path;                   // for messages

@@ -1,11 +1,12 @@
 // The groom: the baked fur of one character. Blocks lie as the frame uses them.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "core/chunk.hpp"
-#include "core/groom/layer_params.hpp"
+#include "core/groom/strand_texture.hpp"
 #include "core/layer.hpp"
 
 namespace pelt {
@@ -18,7 +19,8 @@ struct GroomLayer {
   uint32_t first_chunk = 0;
   uint32_t chunk_count = 0;
   uint32_t strand_count = 0;
-  float length_max = 0.0f;  // m
+  float length_max = 0.0f;                              // m
+  std::shared_ptr<const StrandTexture> strand_texture;  // null: none
 };
 
 // Patches and chunks of a layer are contiguous; layers are in setup order. Patch p of the groom has

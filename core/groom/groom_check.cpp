@@ -202,7 +202,7 @@ bool Checker::CheckLayout() {
     const GroomLayer& layer = layers[i];
     if (layer.name.empty() || !IsPrintable(layer.name))
       return Fail(layers, i, nullptr, "its name is empty or holds control characters");
-    const std::string bad = FindBadParam(layer.params);
+    const std::string bad = FindBadParam(layer.params, layer.strand_texture.get());
     if (!bad.empty()) return Fail(layers, i, &layer.params.sort_bias, bad);
     const auto follow = [&](std::string_view kind, const uint32_t& first, const uint32_t& count,
                             uint32_t size, uint64_t& before) {

@@ -10,14 +10,21 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <utility>
+#include <vector>
 
 #include "core/block_rows.hpp"
 #include "core/groom/groom.hpp"
 
 namespace pelt::groom_file {
+
+// Held as a length and so many bytes.
+template <class T>
+constexpr bool kIsBytes = std::is_same_v<T, std::string> || std::is_same_v<T, std::vector<uint8_t>>;
 
 // Either constness of T.
 template <class A, class T>
@@ -42,6 +49,9 @@ void ListFields(auto&& archive, Like<LayerLook> auto& look) {
   archive("look_tint_green", look.tint[1]);
   archive("look_tint_blue", look.tint[2]);
   for (const LayerLookEntry& entry : kLayerLookEntries) archive(entry.in_file, look.*entry.member);
+  archive("look_strand_tint_red", look.strand_tint[0]);
+  archive("look_strand_tint_green", look.strand_tint[1]);
+  archive("look_strand_tint_blue", look.strand_tint[2]);
 }
 
 // An archive of an older file says so: version().
@@ -61,6 +71,14 @@ void ListFields(auto&& archive, Like<LayerParams> auto& params) {
   ListFields(archive, params.look);
 }
 
+void ListFields(auto&& archive, Like<StrandTexture> auto& texture) {
+  archive("strand_texture_width", texture.width);
+  archive("strand_texture_height", texture.height);
+  archive("strand_texture_strips", texture.strips);
+  archive("strand_texture_channels", texture.channels);
+  archive("strand_texture_rgba", texture.rgba);
+}
+
 void ListFields(auto&& archive, Like<GroomLayer> auto& l) {
   archive("name", l.name);
   ListFields(archive, l.params);
@@ -70,6 +88,17 @@ void ListFields(auto&& archive, Like<GroomLayer> auto& l) {
   archive("chunk_count", l.chunk_count);
   archive("strand_count", l.strand_count);
   archive("length_max", l.length_max);
+  if constexpr (requires { archive.version(); })
+    if (archive.version() < 10) return;
+  if constexpr (std::is_const_v<std::remove_reference_t<decltype(l)>>) {
+    static const StrandTexture kNone{};
+    ListFields(archive, l.strand_texture ? *l.strand_texture : kNone);
+  } else {
+    StrandTexture texture;
+    ListFields(archive, texture);
+    if (texture != StrandTexture{})
+      l.strand_texture = std::make_shared<const StrandTexture>(std::move(texture));
+  }
 }
 
 // The one item of section "general".
@@ -132,7 +161,7 @@ struct ByteCounter {
   template <class T>
   void operator()(std::string_view, const T&) {
     using Element = std::remove_all_extents_t<T>;
-    if constexpr (std::is_same_v<Element, std::string>) {
+    if constexpr (kIsBytes<Element>) {
       bytes += 4;
     } else {
       bytes += sizeof(T) / sizeof(Element) * ElementBytes<Element>();
@@ -158,7 +187,7 @@ struct FieldLocator {
       found_at = bytes + element * ElementBytes<Element>();
       name = field;
     }
-    if constexpr (std::is_same_v<Element, std::string>) {
+    if constexpr (kIsBytes<Element>) {
       bytes += 4 + value.size();
     } else {
       bytes += sizeof(T) / sizeof(Element) * ElementBytes<Element>();

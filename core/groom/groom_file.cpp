@@ -33,9 +33,9 @@ class Writer {
   template <class T>
   void operator()(std::string_view, const T& value) {
     using Element = std::remove_all_extents_t<T>;
-    if constexpr (std::is_same_v<Element, std::string>) {
+    if constexpr (kIsBytes<Element>) {
       Put(uint32_t(value.size()));
-      for (char c : value) bytes_.push_back(std::byte(c));
+      for (const auto c : value) bytes_.push_back(std::byte(c));
     } else if constexpr (std::is_same_v<Element, bool>) {
       bytes_.push_back(std::byte(value ? 1 : 0));
     } else {
@@ -98,12 +98,16 @@ class Reader {
   template <class T>
   void operator()(std::string_view field, T& value) {
     using Element = std::remove_all_extents_t<T>;
-    if constexpr (std::is_same_v<Element, std::string>) {
+    if constexpr (kIsBytes<Element>) {
       const uint64_t start = at_;
       const auto size = Get<uint32_t>();
-      if (size > kTextBytesLimit) Fail(start, Format("{} of {} bytes", field, size));
-      if (const std::byte* from = Take(size))
-        value.assign(reinterpret_cast<const char*>(from), size);
+      constexpr bool kIsText = std::is_same_v<Element, std::string>;
+      if (size > (kIsText ? kTextBytesLimit : kStrandTextureBytes))
+        Fail(start, Format("{} of {} bytes", field, size));
+      if (const std::byte* bytes = Take(size)) {
+        const auto* from = reinterpret_cast<const typename T::value_type*>(bytes);
+        value.assign(from, from + size);
+      }
     } else if constexpr (std::is_same_v<Element, bool>) {
       const uint64_t start = at_;
       const auto byte = Get<uint8_t>();

@@ -29,7 +29,7 @@ namespace pelt {
 
 inline constexpr uint32_t kGroomVersion = 10;
 inline constexpr uint32_t kOldestGroomVersion =
-    8;  // that is read: without LayerParams::chain_share; 9 has no look, dirt_clump, shell_spacing, traits
+    8;  // that is read: without LayerParams::chain_share; 9 has neither a look nor what HasParam names
 
 // The text of every failure is "groom 'name': section 'mesh', byte 1234: reason"; the byte counts
 // from the start of the file.

@@ -22,6 +22,9 @@ struct LayerLook {
   float rim = 1.0f, rim_from = 0.8f;
   float backlight = 0.35f, backlight_exponent = 6.0f;
   float scatter = 0.6f, scatter_depth = 1.0f;
+  // Linear; multiplies the colour where a strand texture has extra tint (core/groom/strand_texture.hpp).
+  std::array<float, 3> strand_tint{0.6f, 0.45f, 0.35f};
+  float shadow_alpha = 0.0f;  // strands that cover less of a place cast no shadow there
 };
 
 // A value of LayerLook: its key in [layer.look], bounds, both inclusive, and what it does.
@@ -32,7 +35,7 @@ struct LayerLookEntry {
   std::string_view text;
 };
 
-// All but the tint, in the order of the members.
+// All but the tints, in the order of the members.
 inline constexpr LayerLookEntry kLayerLookEntries[] = {
     {&LayerLook::specular, "specular", "look_specular", 0, 10,
      "first highlight, in the light's colour"},
@@ -58,9 +61,11 @@ inline constexpr LayerLookEntry kLayerLookEntries[] = {
     {&LayerLook::scatter, "scatter", "look_scatter", 0, 1, "share of light kept inside the coat"},
     {&LayerLook::scatter_depth, "scatter_depth", "look_scatter_depth", 0, 10,
      "how fast light inside the coat takes on its colour"},
+    {&LayerLook::shadow_alpha, "shadow_alpha", "look_shadow_alpha", 0, 1,
+     "strands that cover less of a shadow map's texel than this are cut from it; 0: none"},
 };
 inline constexpr double kMostTint = 4.0;  // above 1 it brightens
-static_assert(std::size(kLayerLookEntries) + 1 == kMemberCount<LayerLook>,
+static_assert(std::size(kLayerLookEntries) + 2 == kMemberCount<LayerLook>,
               "a value without an entry is neither read nor stored nor checked");
 
 }  // namespace pelt

@@ -5,6 +5,7 @@
 #include "core/float_environment.hpp"
 #include "core/float_rules.hpp"
 #include "core/format.hpp"
+#include "core/groom/strand_texture.hpp"
 #include "core/random.hpp"
 
 namespace pelt {
@@ -96,12 +97,38 @@ std::string FindBadParam(const LayerParams& params) {
   });
   if (text.empty() && !IsInside(params.look.tint, 0, kMostTint))
     text = Format("look.tint is not between 0 and {}", kMostTint);
+  if (text.empty() && !IsInside(params.look.strand_tint, 0, kMostTint))
+    text = Format("look.strand_tint is not between 0 and {}", kMostTint);
   for (const LayerLookEntry& entry : kLayerLookEntries)
     if (text.empty() && !IsInside(params.look.*entry.member, entry.low, entry.high))
       text = Format("look.{} is not between {} and {}", entry.key, entry.low, entry.high);
   if (!text.empty()) return text;
   const auto bad = FindBadCombination(params);
   return bad ? Format("{}: {}", bad->key, bad->reason) : std::string();
+}
+
+std::string FindBadStrandTexture(const StrandTexture& texture, const LayerParams& params) {
+  const uint64_t texels = uint64_t(texture.width) * texture.height;
+  if (texture.strips < 1 || texture.strips > 256 || texture.width % texture.strips != 0)
+    return Format("{} texels wide: no multiple of film_strips, {}", texture.width, texture.strips);
+  if (texels == 0 || texels > kStrandTextureBytes / 4)
+    return Format("{} x {} texels; at most {} are allowed", texture.width, texture.height,
+                  kStrandTextureBytes / 4);
+  if (texels * 4 != texture.rgba.size())
+    return Format("{} bytes for {} x {} texels", texture.rgba.size(), texture.width,
+                  texture.height);
+  if (texture.channels > StrandChannels::kWeather) return "channels of no known meaning";
+  if (params.output == Output::kShells) return "shells have no strands";
+  if (texture.channels == StrandChannels::kWeather && !params.painted)
+    return "strand_channels = \"weather\" goes by each strand's wetness and dirt, which only "
+           "painted layers have: lit = true, painted = true";
+  return {};
+}
+
+std::string FindBadParam(const LayerParams& params, const StrandTexture* texture) {
+  std::string bad = FindBadParam(params);
+  if (bad.empty() && texture) bad = FindBadStrandTexture(*texture, params);
+  return bad;
 }
 
 std::vector<uint8_t> MakeFurTexture(const LayerParams& params) {

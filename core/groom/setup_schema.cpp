@@ -27,6 +27,7 @@ using setup_entries::Switch;
 using setup_entries::Text;
 
 constexpr std::string_view kAxisWords[] = {"x", "y", "z"};
+constexpr std::string_view kStrandChannelWords[] = {"look", "weather"};
 constexpr double kMapLimit = 100.0;
 constexpr double kStrandLimit = 8388608.0;  // a strand's index in its layer has 24 bits
 
@@ -150,7 +151,15 @@ std::span<const KeyEntry<LayerSetup>> Schema() {
                 Map<&L::base_colour_map>("base_colour_map", "likewise, of the colour at the root"),
                 Map<&L::tip_colour_map>("tip_colour_map", "likewise, of the colour at the tip"),
                 Count<&L::film_strip_count>("film_strips", 1, 256,
-                                            "textures in the strip; picked at random"),
+                                            "silhouettes of strands; picked at random"),
+                Map<&L::type_map>("type_map",
+                                  "picks each strand's of film_strips: 0 the first, 1 the last"),
+                Plain<&L::strand_texture>("strand_texture", "path",
+                                          "PNG: film_strips silhouettes side by side, root on top"),
+                MakeEntry<&L::strand_channels>(
+                    {"strand_channels", "word", "", 0, 0,
+                     "r extra tint, g specular, b shadow, a alpha; or alpha dry, wet, dirty",
+                     kStrandChannelWords}),
                 Plain<kParams, &LayerParams::look>("look", "table", "how the layer takes light"),
             });
     // How it moves.
@@ -279,8 +288,12 @@ std::span<const KeyEntry<CombVector>> Schema() {
 template <>
 std::span<const KeyEntry<LayerLook>> Schema() {
   static const std::vector<KeyEntry<LayerLook>> kKeys = [] {
-    std::vector<KeyEntry<LayerLook>> keys{Plain<&LayerLook::tint>(
-        "tint", "[r, g, b]", "linear; multiplies both colours", 0, kMostTint)};
+    std::vector<KeyEntry<LayerLook>> keys{
+        Plain<&LayerLook::tint>("tint", "[r, g, b]", "linear; multiplies both colours", 0,
+                                kMostTint),
+        Plain<&LayerLook::strand_tint>("strand_tint", "[r, g, b]",
+                                       "likewise, where a strand_texture has extra tint", 0,
+                                       kMostTint)};
     [&]<size_t... kPlace>(std::index_sequence<kPlace...>) {
       (keys.push_back(Number<kLayerLookEntries[kPlace].member>(
            kLayerLookEntries[kPlace].key, "", kLayerLookEntries[kPlace].low,

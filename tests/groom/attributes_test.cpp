@@ -244,6 +244,27 @@ TEST(Attributes, FilmStripsAreAllUsed) {
   for (const uint32_t c : count) EXPECT_NEAR(c, double(f.points.size()) / 3, 100.0);
 }
 
+// Each of the strips has its part of the map's range, and where two meet no third one grows.
+TEST(Attributes, ATypeMapPicksTheFilmStrip) {
+  Fixture f;
+  f.layer.film_strip_count = 3;
+  f.layer.type_map = MakeMap([](float u, float) { return u < 0.5f ? 0.2f : 0.9f; }, 1);
+  const auto expect = [&](uint32_t left, uint32_t right) {
+    uint32_t count[2] = {};
+    for (const GroomedStrand& s : f.Groom()) {
+      const float u = Interpolate(f.character.mesh.uv, f.character.mesh, s.place).x;
+      const bool is_right = u - std::floor(u) >= 0.5f;
+      EXPECT_EQ(s.film_strip, is_right ? right : left) << u;
+      ++count[is_right];
+    }
+    EXPECT_GT(std::min(count[0], count[1]), 500u);
+  };
+  expect(0, 2);
+  f.layer.type_map.low = 1.0f;
+  f.layer.type_map.high = 0.0f;
+  expect(2, 0);
+}
+
 TEST(Attributes, LiftVariesByVertexInsideItsRange) {
   Fixture f;
   f.layer.offset = Varying(0.01f, 0.5f);

@@ -77,6 +77,12 @@ std::vector<KeyCase> ListKeyCases() {
        [](L l) { return l.base_colour_map.map && l.base_colour_map.low == 0.5f; }},
       {"tip_colour_map", "'maps/m.png'", [](L l) { return l.tip_colour_map.map != nullptr; }},
       {"film_strips", "7", [](L l) { return l.film_strip_count == 7; }},
+      {"type_map", "{ map = 'maps/m.png', channel = 'g' }",
+       [](L l) { return l.type_map.map && l.type_map.channel == 1; }},
+      {"strand_texture", "'maps/m.png'",
+       [](L l) { return l.strand_texture && l.strand_texture->rgba[4] == 200; }},
+      {"strand_channels", "'weather'",
+       [](L l) { return l.strand_channels == StrandChannels::kWeather; }},
       {"quality", "'best'", [](L l) { return l.params.quality == ModalQuality::kBest; }},
       {"curl_follows", "'root'", [](L l) { return l.params.curl_follows == CurlFollows::kRoot; }},
       {"sag_free", "true", [](L l) { return l.params.sag_free; }},
@@ -148,6 +154,7 @@ TEST_F(FurSetupTest, EveryValueOfALookLandsInItsMemberAlone) {
     return Read("[[layer]]\nname = 'x'\n[layer.look]\n" + line).layers.at(0).params.look;
   };
   EXPECT_EQ(read("tint = [0.5, 1, 2]").tint, (std::array<float, 3>{0.5f, 1.0f, 2.0f}));
+  EXPECT_EQ(read("strand_tint = [0, 1, 2]").strand_tint, (std::array<float, 3>{0.0f, 1.0f, 2.0f}));
   for (const LayerLookEntry& entry : kLayerLookEntries) {
     const double value = (entry.low + 3.0 * entry.high) / 4.0;
     const LayerLook look = read(std::string(entry.key) + " = " + std::to_string(value));
@@ -314,6 +321,25 @@ TEST_F(FurSetupTest, TraitsThatALayerCannotKeepAreRefused) {
   EXPECT_TRUE(has("weight_scale = { value = 1, randomise = 0.1 }"));
   EXPECT_TRUE(has("bounce_scale = { value = 1, map = 'maps/m.png' }"));
   EXPECT_FALSE(has("stiffness_scale = 1\nclump_scale = { value = 1 }\nangle_limit = 180"));
+}
+
+TEST_F(FurSetupTest, StrandTexturesFitTheirLayers) {
+  const std::string key = "fur.toml:3: layer 'head': key 'strand_texture': ";
+  const auto expect = [&](const std::string& lines, const std::string& words) {
+    EXPECT_EQ(LayerError(lines).rfind(key + words, 0), 0u) << LayerError(lines);
+  };
+  EXPECT_EQ(LayerError("strand_texture = 'maps/m.png'\nfilm_strips = 2"), "");
+  expect("strand_texture = 'maps/none.png'", "control map '");
+  expect("strand_texture = 'maps/m.png'\nfilm_strips = 3", "2 texels wide: no multiple of film_s");
+  expect("strand_texture = 'maps/m.png'\noutput = 'shells'", "shells have no strands");
+  const std::string weather = "strand_texture = 'maps/m.png'\nstrand_channels = 'weather'\n";
+  expect(weather, "strand_channels = \"weather\" goes by each strand's wetness");
+  EXPECT_EQ(LayerError(weather + "lit = true\npainted = true"), "");
+  EXPECT_NE(LayerError("strand_channels = 'wet'").find("not one of look, weather"),
+            std::string::npos);
+  LayerSetup mapped;
+  mapped.type_map.map = std::make_shared<const ControlMap>();
+  EXPECT_EQ(FindSurfaceMap(mapped), "type_map") << "needs UVs";
 }
 
 TEST_F(FurSetupTest, KeyListNamesEveryKey) {

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <random>
 #include <span>
 
@@ -80,7 +81,34 @@ TEST(GroomFile, RoundTripKeepsEveryField) {
     EXPECT_EQ(a.params.traits, b.params.traits);
     EXPECT_EQ(a.params.sort_bias, b.params.sort_bias);
     EXPECT_EQ(a.params.dirt_colour, b.params.dirt_colour);
+    ASSERT_EQ(bool(a.strand_texture), i == 1);
   }
+  EXPECT_TRUE(*back.layers[1].strand_texture == *groom.layers[1].strand_texture);
+}
+
+// A strand texture is read as hostile input, too.
+TEST(GroomFile, StrandTexturesAreChecked) {
+  const auto fault_of = [](const std::function<void(StrandTexture&)>& change,
+                           bool painted = false) {
+    Groom groom = MakeGroom();
+    StrandTexture texture = *groom.layers[1].strand_texture;
+    change(texture);
+    groom.layers[1].params.lit = groom.layers[1].params.painted = painted;
+    groom.layers[1].strand_texture = std::make_shared<const StrandTexture>(texture);
+    return FindGroomFault(groom, "g.groom");
+  };
+  const auto expect = [&](const char* words, const std::function<void(StrandTexture&)>& change) {
+    EXPECT_NE(fault_of(change).find(words), std::string::npos) << fault_of(change);
+  };
+  EXPECT_EQ(fault_of([](StrandTexture&) {}), "");
+  expect("6 texels wide: no multiple of film_strips, 4", [](StrandTexture& t) { t.strips = 4; });
+  expect("no multiple", [](StrandTexture& t) { t.strips = 0; });
+  expect("72 bytes for 6 x 4 texels", [](StrandTexture& t) { t.height = 4; });
+  expect("at most 4194304 are allowed", [](StrandTexture& t) { t.height = 4000000000u; });
+  expect("no known meaning", [](StrandTexture& t) { t.channels = StrandChannels(2); });
+  const auto weather = [](StrandTexture& t) { t.channels = StrandChannels::kWeather; };
+  expect("painted = true", weather);
+  EXPECT_EQ(fault_of(weather, true), "");
 }
 
 // Each layer parameter, by the list of fields, survives with a value of its own.
@@ -108,7 +136,7 @@ TEST(GroomFile, RoundTripKeepsEveryLayerParameter) {
       },
       p);
   // Colours are three.
-  EXPECT_EQ(fields, kMemberCount<LayerParams> + 2 + kMemberCount<LayerLook> + 1);
+  EXPECT_EQ(fields, kMemberCount<LayerParams> + 2 + kMemberCount<LayerLook> + 3);
   const Groom back = ReadGroom(WriteGroom(groom).OrThrow(), "g.groom").OrThrow();
   std::vector<double> wrote, read;
   const auto collect = [](std::vector<double>& to) {
@@ -216,8 +244,10 @@ TEST(GroomFile, OlderFilesAreRead) {
   Groom groom = ReadGroom(older, path).OrThrow();
   const auto now = WriteGroom(groom).OrThrow();
   constexpr size_t kSectionsSince = 2 * 40;  // empty
-  EXPECT_EQ(now.size(), older.size() + kSectionsSince +
-                            (5 * sizeof(float) + 1 + sizeof(LayerLook)) * groom.layers.size());
+  constexpr size_t kNoTexture = 3 * sizeof(uint32_t) + 1 + 4;  // three numbers, channels, no bytes
+  EXPECT_EQ(now.size(),
+            older.size() + kSectionsSince +
+                (5 * sizeof(float) + 1 + sizeof(LayerLook) + kNoTexture) * groom.layers.size());
   for (const GroomLayer& layer : groom.layers) EXPECT_EQ(layer.params.chain_share, 1.0f);
   EXPECT_EQ(WriteGroom(ReadGroom(now, "now").OrThrow()).OrThrow(), now);
   groom.layers[0].params.chain_share = 0.25f;

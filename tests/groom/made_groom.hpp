@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <iterator>
+#include <memory>
 #include <numeric>
 #include <random>
 #include <string>
@@ -169,6 +170,9 @@ inline Groom MakeGroom() {
     }
     groom.layers.push_back(layer);
   }
+  StrandTexture texture{.width = 6, .height = 3, .strips = 2, .rgba = {}};
+  for (uint8_t i = 0; i < 72; ++i) texture.rgba.push_back(uint8_t(3 * i));
+  groom.layers[1].strand_texture = std::make_shared<const StrandTexture>(texture);
   return groom;
 }
 
