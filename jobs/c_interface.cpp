@@ -59,7 +59,9 @@ static_assert(offsetof(PeltStrandCurve, strand) == offsetof(pelt::StrandCurve, s
 static_assert(sizeof(PeltLook) == sizeof(pelt::LookRecord));
 static_assert(offsetof(PeltLook, amounts) == offsetof(pelt::LookRecord, amounts));
 static_assert(sizeof(PeltLayerLook) == sizeof(pelt::LayerLook));
-static_assert(offsetof(PeltLayerLook, scatter_depth) == offsetof(pelt::LayerLook, scatter_depth));
+static_assert(offsetof(PeltLayerLook, shadow_alpha) == offsetof(pelt::LayerLook, shadow_alpha));
+static_assert(PELT_STRAND_LOOK == int(pelt::StrandChannels::kLook));
+static_assert(PELT_STRAND_WEATHER == int(pelt::StrandChannels::kWeather));
 static_assert(sizeof(PeltLayerLight) == sizeof(pelt::LayerLightBlock));
 static_assert(offsetof(PeltLayerLight, rim_rgb) == offsetof(pelt::LayerLightBlock, rim_rgb));
 
@@ -428,6 +430,14 @@ uint32_t pelt_fur_texture(const PeltScene* scene, uint32_t layer, uint8_t* texel
   const std::vector<uint8_t> all = scene->scene->FurTexture(layer, side);
   if (texels) std::copy_n(all.begin(), std::min(room, all.size()), texels);
   return side;
+}
+
+int pelt_strand_texture(const PeltScene* scene, uint32_t layer, PeltStrandTexture* texture) {
+  if (!scene || !texture || layer >= scene->scene->shape().layer_count) return 0;
+  const pelt::StrandTexture* from = scene->scene->StrandTextureOf(layer).get();
+  if (!from) return 0;
+  *texture = {from->width, from->height, from->strips, uint32_t(from->channels), from->rgba.data()};
+  return 1;
 }
 
 uint64_t pelt_digest(const PeltScene* scene) { return scene ? scene->scene->DigestFrame() : 0; }

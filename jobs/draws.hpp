@@ -15,7 +15,7 @@
 #include <span>
 #include <vector>
 
-#include "core/groom/layer_params.hpp"
+#include "core/groom/strand_texture.hpp"
 #include "core/outputs.hpp"
 #include "jobs/frame.hpp"
 
@@ -70,7 +70,8 @@ struct LayerDraw {
   // Of a painted layer, whose colours are left dry and clean: the share of its brightness that a
   // soaked strand keeps, and the sRGB colour that mud is mixed in with. Else 1, and 0.
   float wet_darken, mud_colour[3];
-  const LayerLook* look;  // how the layer takes light, as long as the scene lives
+  const LayerLook* look;                // how the layer takes light, as long as the scene lives
+  const StrandTexture* strand_texture;  // the artist's, likewise; null: none
 
   const OutputEntry& format() const { return kOutputs[size_t(output)]; }
   // The vertices as what they are, CurveRecord, RibbonVertex, LineVertex or ShellVertex;

@@ -338,6 +338,8 @@ typedef struct PeltLayerLook {
   float rim, rim_from;
   float backlight, backlight_exponent;
   float scatter, scatter_depth;
+  float strand_tint[3]; /* linear; multiplies the colour where a strand texture has extra tint */
+  float shadow_alpha;   /* strands that cover less of a shadow map's texel are cut from it; 0: none */
 } PeltLayerLook;
 
 /* One shell: an instance of the layer's triangles. */
@@ -411,6 +413,21 @@ uint32_t pelt_shell_indices(const PeltScene* scene, uint32_t layer, uint32_t* in
                             uint32_t room);
 uint32_t pelt_shell_uvs(const PeltScene* scene, uint32_t layer, float (*uvs)[2], uint32_t room);
 uint32_t pelt_fur_texture(const PeltScene* scene, uint32_t layer, uint8_t* texels, size_t room);
+
+/* The artist's texture of a layer's strands, RGBA, 8 bits each, linear: `strips` silhouettes, equally wide,
+ * side by side, rows from root to tip. A strand shows the one that its film strip's number says. */
+enum PeltStrandChannels {
+  PELT_STRAND_LOOK,   /* r extra tint, g extra highlights, b shadow, a coverage */
+  PELT_STRAND_WEATHER /* coverage, of a dry and clean strand in r, a wet one in g, a dirty one in b */
+};
+typedef struct PeltStrandTexture {
+  uint32_t width, height, strips;
+  uint32_t channels; /* PeltStrandChannels */
+  const uint8_t* rgba; /* as long as the scene lives */
+} PeltStrandTexture;
+
+/* It never changes: ask once. Returns 1, or 0 of a layer that has none. */
+int pelt_strand_texture(const PeltScene* scene, uint32_t layer, PeltStrandTexture* texture);
 
 /* An edge of the skin that is drawn out along the fur, from h = 0 to 1. */
 typedef struct PeltFin {

@@ -167,6 +167,7 @@ void FurScene::CopyGrooms(std::span<const Groom* const> grooms) {
   replaced_.clear();
   layer_names_.clear();
   layer_params_.clear();
+  strand_textures_.clear();
   layer_length_max_.clear();
   layer_strands_.clear();
   layer_vertices_.clear();
@@ -190,6 +191,7 @@ void FurScene::CopyGrooms(std::span<const Groom* const> grooms) {
 void FurScene::CopyLayer(GroomCopy& copy, const GroomLayer& layer, uint32_t index) {
   layer_names_.push_back(layer.name);
   layer_params_.push_back(layer.params);
+  strand_textures_.push_back(layer.strand_texture);
   layer_length_max_.push_back(layer.length_max);
   layer_strands_.push_back(layer.strand_count);
   layer_vertices_.push_back(0);
@@ -393,10 +395,13 @@ uint64_t FurScene::HeapBytes() const {
       bytes(layer_params_) + bytes(modal_) + bytes(layer_length_max_) + bytes(layer_strands_) +
       bytes(layer_vertices_) + bytes(demands_) + bytes(demand_order_) + bytes(layer_simulates_) +
       bytes(layer_curled_) + bytes(written_) + bytes(replaced_) + bytes(draws_) + bytes(fault_) +
-      carried_.HeapBytes() + pose_gate_.HeapBytes();
+      bytes(strand_textures_) + carried_.HeapBytes() + pose_gate_.HeapBytes();
   for (const StreamPlace& place : memory_.streams) sum += bytes(place.slot);
   for (const Pass& pass : plan_.passes) sum += bytes(pass.streams) + bytes(pass.waits);
   for (const std::string& name : layer_names_) sum += bytes(name);
+  for (auto at = strand_textures_.begin(); at != strand_textures_.end(); ++at)  // shared ones once
+    if (*at && std::find(strand_textures_.begin(), at, *at) == at)
+      sum += sizeof(StrandTexture) + bytes((*at)->rgba);
   return sum;
 }
 
@@ -407,6 +412,7 @@ std::span<const LayerDraw> FurScene::Draws() const {
     const std::array<double, 3> origin = OriginOfLayer(draw.layer);
     std::copy(origin.begin(), origin.end(), draw.origin);
     draw.look = &Look(draw.layer);
+    draw.strand_texture = StrandTextureOf(draw.layer).get();
     draw.pieces = CurvePieces(LongestOnScreenPx(draw.layer));
   }
   return draws_;

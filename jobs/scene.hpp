@@ -228,6 +228,11 @@ class FurScene {
   // How the layer takes light, as long as the scene lives; another groom's may be another.
   const LayerLook& Look(uint32_t layer) const { return layer_params_[layer].look; }
 
+  // The artist's texture of the layer's strands, which is its groom's; null: none.
+  const std::shared_ptr<const StrandTexture>& StrandTextureOf(uint32_t layer) const {
+    return strand_textures_[layer];
+  }
+
   // What to draw of the last frame that was run, in drawing order: jobs/draws.hpp. Empty while a
   // frame is begun or runs. The list is the scene's, and good until the next call.
   std::span<const LayerDraw> Draws() const;
@@ -330,6 +335,7 @@ class FurScene {
   Plan plan_;
   std::vector<std::string> layer_names_;
   std::vector<LayerParams> layer_params_;
+  std::vector<std::shared_ptr<const StrandTexture>> strand_textures_;  // of every layer
   std::vector<ModalCourse> modal_;  // of every layer; used by those with the modal solver
   std::vector<float> layer_length_max_;
   std::vector<uint32_t> layer_strands_, layer_vertices_;

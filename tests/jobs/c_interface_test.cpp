@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <functional>
+#include <memory>
 #include <string>
+#include <tuple>
 
 #include "tests/jobs/c_scene.hpp"
 
@@ -167,6 +169,27 @@ TEST(CInterface, GroomsThatSharePointersAreReadByTheirOwnSizes) {
   }
   const std::array<PeltBytes, 2> same{whole, whole};
   EXPECT_TRUE(OwnScene(pelt_create(same.data(), 2, nullptr, why, sizeof why))) << why;
+}
+
+TEST(CInterface, HasTheTexturesOfStrands) {
+  Groom groom = TinyScenario().grooms[0];
+  StrandTexture made{.width = 4, .height = 1, .strips = 2, .rgba = {}};
+  for (uint8_t i = 0; i < 16; ++i) made.rgba.push_back(uint8_t(10 * i));
+  groom.layers[1].params.lit = groom.layers[1].params.painted = true;
+  made.channels = StrandChannels::kWeather;
+  groom.layers[1].strand_texture = std::make_shared<const StrandTexture>(made);
+  const std::vector<std::byte> file = WriteGroom(groom).OrThrow();
+  const PeltBytes bytes{file.data(), file.size()};
+  const OwnScene scene(pelt_create(&bytes, 1, nullptr, nullptr, 0));
+  ASSERT_TRUE(scene);
+  PeltStrandTexture texture{};
+  EXPECT_EQ(pelt_strand_texture(scene.get(), 0, &texture), 0);
+  EXPECT_EQ(pelt_strand_texture(scene.get(), 1, nullptr), 0);
+  EXPECT_EQ(pelt_strand_texture(scene.get(), pelt_layer_count(scene.get()), &texture), 0);
+  ASSERT_EQ(pelt_strand_texture(scene.get(), 1, &texture), 1);
+  EXPECT_EQ(std::tuple(texture.width, texture.height, texture.strips, texture.channels),
+            std::tuple(4u, 1u, 2u, uint32_t(PELT_STRAND_WEATHER)));
+  EXPECT_TRUE(std::equal(made.rgba.begin(), made.rgba.end(), texture.rgba));
 }
 
 TEST(CInterface, GoesBackToASnapshot) {

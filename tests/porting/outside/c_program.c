@@ -159,7 +159,8 @@ static void TryNulls(void) {
              pelt_joint_count(NULL, 0) == 0 && !pelt_joint_name(NULL, 0, 0) &&
              pelt_ribbon_indices(NULL, 1, NULL, 24) == 0 &&
              pelt_shell_indices(NULL, 0, NULL, 0) == 0 && pelt_shell_uvs(NULL, 0, NULL, 0) == 0 &&
-             pelt_fur_texture(NULL, 0, NULL, 0) == 0 && pelt_fins(NULL, 0, NULL, 0) == 0,
+             pelt_fur_texture(NULL, 0, NULL, 0) == 0 && pelt_fins(NULL, 0, NULL, 0) == 0 &&
+             pelt_strand_texture(NULL, 0, NULL) == 0,
          "nothing of a null scene", "");
 }
 
