@@ -66,10 +66,12 @@ void Canvas::DrawHair(const HairEnd& a, const HairEnd& b, float alpha, const Car
                             float coverage, const glm::vec2& place) {
                           const size_t i = size_t(y) * width_ + x;
                           if (depth >= depth_[i]) return;
-                          coverage *= alpha;
+                          glm::vec4 seen(colour, 1.0f);
                           if (card)
-                            coverage *= card->Cover(place, glm::mix(a.width, b.width, place.y));
-                          colour_[i] = Over(colour, coverage, colour_[i]);
+                            seen = card->See(colour, glm::mix(a.highlights, b.highlights, place.y),
+                                             place, glm::mix(a.width, b.width, place.y));
+                          coverage = coverage * alpha * seen.w;
+                          colour_[i] = Over(glm::vec3(seen), coverage, colour_[i]);
                           if (coverage > 0.3f) layer_depth_[i] = std::min(layer_depth_[i], depth);
                         });
   if (box.y1 == 0) return;
@@ -77,8 +79,13 @@ void Canvas::DrawHair(const HairEnd& a, const HairEnd& b, float alpha, const Car
   touched_to_ = std::max(touched_to_, box.y1);
 }
 
-float CardPiece::Cover(const glm::vec2& place, float width) const {
-  return texture->Sample(strip, place.x, glm::mix(from, to, place.y), 1.0f / std::max(width, 1.0f));
+glm::vec4 CardPiece::See(const glm::vec3& lit, const glm::vec3& highlights, const glm::vec2& place,
+                         float width) const {
+  const glm::vec4 texel =
+      texture->Texel(strip, place.x, glm::mix(from, to, place.y), 1.0f / std::max(width, 1.0f));
+  const int meaning = texture->meaning();
+  return {TexelColour(meaning, texel, lit, highlights, tint),
+          TexelCover(meaning, texel, wet_dirty)};
 }
 
 void Canvas::FinishLayer() {

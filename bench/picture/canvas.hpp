@@ -163,6 +163,7 @@ struct HairEnd {
   glm::vec3 at;      // projected: samples from the upper left, and the distance along the view, m
   glm::vec3 colour;  // linear
   float width;       // samples
+  glm::vec3 highlights{0.0f};  // in the colour, where an artist's texture has more of them
 };
 
 // Whole samples of a picture, the last ones not included.
@@ -218,11 +219,15 @@ class Projection {
 // A piece of a card of hairs.
 struct CardPiece {
   const StripTexture* texture;
-  uint32_t strip;
-  float from, to;  // share of the card's length
+  glm::vec3 tint;  // where the texture has extra tint
+  uint32_t strip = 0;
+  glm::vec2 wet_dirty{0.0f};
+  float from = 0.0f, to = 1.0f;  // share of the card's length
 
-  // What hairs cover of a sample at this share across and along the piece, where it is so many samples wide.
-  float Cover(const glm::vec2& place, float width) const;
+  // Colour at this share across and along the piece, where it is so many samples wide, of what it would be without the
+  // texture and of the highlights in that; w: what hairs cover there.
+  glm::vec4 See(const glm::vec3& lit, const glm::vec3& highlights, const glm::vec2& place,
+                float width) const;
 };
 
 class Canvas {

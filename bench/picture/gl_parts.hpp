@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "bench/picture/gl_objects.hpp"
@@ -71,8 +72,9 @@ class GlStrips {
  public:
   explicit GlStrips(const GlApi& gl) : gl_(&gl), texture_(gl) {}
 
-  // At least so many strips, where passes look for them. Those that there are stay for the next picture.
-  void Bind(uint32_t strips);
+  // At least so many strips. Those that there are stay for the next picture.
+  void Make(uint32_t strips);
+  GLuint texture() const { return texture_; }
 
  private:
   const GlApi* gl_;
@@ -83,7 +85,8 @@ class GlStrips {
 // A frame's draw list: vertices as they are, and the roots that they do not know of.
 class GlStrands {
  public:
-  GlStrands(const GlApi& gl, const PictureScene& scene);
+  // `strips`: Pelt's own, of layers that have no texture of an artist's.
+  GlStrands(const GlApi& gl, const PictureScene& scene, GLuint strips);
 
   size_t layers() const { return layers_.size(); }
   // By a program of the layer's output, in use from here on: strips of two corners at each knot; or lines, of what
@@ -100,12 +103,18 @@ class GlStrands {
     float tip_width = 1.0f, shadow_width = 1.0f;
     bool is_lit = false;
     PaintLook paint = kDefaultPaint;
+    std::shared_ptr<const GlTexture> strips = {};  // an artist's; null: Pelt's own
+    int strip_meaning = 0;                         // of their texels
+    glm::vec3 strand_tint{1.0f};
+    float shadow_alpha = 0.0f;
   };
-  Layer Upload(const LayerDraw& draw, const std::vector<Hair>& hairs) const;
+  Layer Upload(const LayerDraw& draw, const std::vector<Hair>& hairs,
+               const StripTexture* strips) const;
   void Bind(const std::vector<GlProgram>& programs, const Layer& layer) const;
 
   const GlApi& gl_;
   bool in_strand_order_;
+  GLuint strips_;
   std::vector<Layer> layers_;
 };
 

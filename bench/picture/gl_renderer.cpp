@@ -42,10 +42,11 @@ struct Uploaded {
   GlShells shells;
   GlShadows shadows;
 
-  Uploaded(const GlApi& gl, const GlPrograms& programs, const PictureScene& scene)
+  Uploaded(const GlApi& gl, const GlPrograms& programs, const GlStrips& strips,
+           const PictureScene& scene)
       : bodies(gl, scene),
         relief(gl, scene),
-        strands(gl, scene),
+        strands(gl, scene, strips.texture()),
         shells(gl, scene),
         shadows(gl, programs, scene, bodies, strands, shells) {}
 };
@@ -85,10 +86,11 @@ struct GlRenderer::State {
   const GlApi& gl() const { return context.gl(); }
   // What cards of hairs need, if there are any.
   void MakeCards(const PictureScene& scene) {
-    const uint32_t count = CountStrips(scene.layers);
-    if (count == 0) return;
+    const uint32_t own = CountStrips(scene.layers);
+    const bool artists = std::ranges::any_of(scene.strips, [](const auto& s) { return bool(s); });
+    if (own == 0 && !artists) return;
     programs.MakeCards(gl());
-    strips.Bind(count);
+    strips.Make(std::max(own, 1u));
   }
   void SetScene(const PictureScene& scene, const PictureOptions& options, uint32_t samples) const;
   void SetLook(const PictureLook& lit_by) const;
@@ -274,7 +276,7 @@ void GlRenderer::State::DrawPixels(const PictureScene& scene, const PictureOptio
                     width, height));
   MakeCards(scene);
   SetScene(scene, options, samples);
-  const Uploaded uploaded(gl, programs, scene);
+  const Uploaded uploaded(gl, programs, strips, scene);
   std::optional<GlLighting> lighting;
   if (options.lighting_buffer)
     lighting.emplace(gl, programs, scene, uploaded.bodies, uploaded.shadows, options);
@@ -320,7 +322,7 @@ void GlRenderer::Show(const PictureScene& scene, const PictureOptions& options) 
 std::vector<glm::vec4> GlRenderer::DrawShadowMap(const PictureScene& scene, uint32_t actor) {
   state_->MakeCards(scene);
   state_->SetScene(scene, {}, kSamples);
-  const Uploaded uploaded(state_->gl(), state_->programs, scene);
+  const Uploaded uploaded(state_->gl(), state_->programs, state_->strips, scene);
   std::vector<glm::vec4> texels = uploaded.shadows.Read(actor);
   state_->CheckErrors();
   return texels;

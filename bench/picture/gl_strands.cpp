@@ -8,7 +8,7 @@
 namespace pelt {
 namespace {
 
-// Of strips that lie side by side, one behind the other.
+// Of strips that lie side by side, one behind the other; `width`: bytes.
 std::vector<uint8_t> StripByStrip(const std::vector<uint8_t>& texels, uint32_t strips,
                                   uint32_t width, uint32_t height) {
   std::vector<uint8_t> apart;
@@ -26,11 +26,13 @@ GlTexture Upload(const GlApi& gl, const StripTexture& made) {
   GlTexture texture(gl);
   gl.BindTexture(GL_TEXTURE_2D_ARRAY, texture);
   gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  const bool four = made.channels() == 4;
   for (uint32_t level = 0; level < made.levels(); ++level) {
-    const uint32_t width = StripTexture::kWidth >> level, height = StripTexture::kHeight >> level;
-    gl.TexImage3D(GL_TEXTURE_2D_ARRAY, GLint(level), GL_R8, GLsizei(width), GLsizei(height),
-                  GLsizei(made.strips()), 0, GL_RED, GL_UNSIGNED_BYTE,
-                  StripByStrip(made.texels(level), made.strips(), width, height).data());
+    const uint32_t width = made.width(level), height = made.height(level);
+    gl.TexImage3D(
+        GL_TEXTURE_2D_ARRAY, GLint(level), four ? GL_RGBA8 : GL_R8, GLsizei(width), GLsizei(height),
+        GLsizei(made.strips()), 0, four ? GL_RGBA : GL_RED, GL_UNSIGNED_BYTE,
+        StripByStrip(made.texels(level), made.strips(), width * made.channels(), height).data());
   }
   const auto set = [&](GLenum what, GLint to) { gl.TexParameteri(GL_TEXTURE_2D_ARRAY, what, to); };
   set(GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
@@ -43,12 +45,10 @@ GlTexture Upload(const GlApi& gl, const StripTexture& made) {
 
 }  // namespace
 
-void GlStrips::Bind(uint32_t strips) {
-  if (strips > strips_) {
-    texture_ = Upload(*gl_, StripTexture(strips));
-    strips_ = strips;
-  }
-  BindTexture(*gl_, kStripsUnit, GL_TEXTURE_2D_ARRAY, texture_);
+void GlStrips::Make(uint32_t strips) {
+  if (strips <= strips_) return;
+  texture_ = Upload(*gl_, StripTexture(strips));
+  strips_ = strips;
 }
 
 namespace {
@@ -84,6 +84,10 @@ std::vector<RootTexels> ShadowRootsOf(const LayerDraw& draw, const std::vector<H
   return roots;
 }
 
+std::shared_ptr<const GlTexture> UploadOrNull(const GlApi& gl, const StripTexture* made) {
+  return made ? std::make_shared<const GlTexture>(Upload(gl, *made)) : nullptr;
+}
+
 // Its place among the outputs of strands; of a layer with cards, behind all of them.
 size_t ProgramOf(Output output, const std::vector<Hair>& hairs) {
   const auto of_strands = [](const OutputEntry& entry) { return entry.OfStrands(); };
@@ -94,14 +98,15 @@ size_t ProgramOf(Output output, const std::vector<Hair>& hairs) {
 
 }  // namespace
 
-GlStrands::GlStrands(const GlApi& gl, const PictureScene& scene)
-    : gl_(gl), in_strand_order_(scene.order == VertexOrder::kIndexBuffer) {
+GlStrands::GlStrands(const GlApi& gl, const PictureScene& scene, GLuint strips)
+    : gl_(gl), in_strand_order_(scene.order == VertexOrder::kIndexBuffer), strips_(strips) {
   gl_.ActiveTexture(GL_TEXTURE0 + kMakingUnit);
   for (size_t i = 0; i < scene.draws.size(); ++i)
-    layers_.push_back(Upload(scene.draws[i], scene.layers[i]));
+    layers_.push_back(Upload(scene.draws[i], scene.layers[i], scene.strips[i].get()));
 }
 
-GlStrands::Layer GlStrands::Upload(const LayerDraw& draw, const std::vector<Hair>& hairs) const {
+GlStrands::Layer GlStrands::Upload(const LayerDraw& draw, const std::vector<Hair>& hairs,
+                                   const StripTexture* strips) const {
   if (hairs.empty())
     return {.vertices = GlTexture(gl_),
             .roots = GlTexture(gl_),
@@ -122,7 +127,11 @@ GlStrands::Layer GlStrands::Upload(const LayerDraw& draw, const std::vector<Hair
           .tip_width = draw.tip_width,
           .shadow_width = casting.empty() ? 1.0f : float(hairs.size()) / float(casting.size()),
           .is_lit = !draw.looks.empty(),
-          .paint = PaintLookOf(draw)};
+          .paint = PaintLookOf(draw),
+          .strips = UploadOrNull(gl_, strips),
+          .strip_meaning = strips ? strips->meaning() : 0,
+          .strand_tint = TintOfStrands(draw),
+          .shadow_alpha = draw.look->shadow_alpha};
 }
 
 void GlStrands::Bind(const std::vector<GlProgram>& programs, const Layer& layer) const {
@@ -137,6 +146,11 @@ void GlStrands::Bind(const std::vector<GlProgram>& programs, const Layer& layer)
   program.Set("first_strand", layer.first_strand);
   program.Set("tip_width", layer.tip_width);
   program.Set("character", layer.actor);
+  BindTexture(gl_, kStripsUnit, GL_TEXTURE_2D_ARRAY,
+              layer.strips ? GLuint(*layer.strips) : strips_);
+  program.Set("strip_meaning", layer.strip_meaning);
+  program.Set("strand_tint", layer.strand_tint);
+  program.Set("shadow_alpha", layer.shadow_alpha);
   SetPaint(program, layer.paint);
 }
 

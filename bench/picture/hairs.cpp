@@ -65,7 +65,9 @@ Hair ReadHair(const FurScene& scene, VertexOrder order, const LayerDraw& draw, u
   const auto& roots = *scene.memory().Of<&Streams::roots>(chunk);
   Hair hair{};
   hair.actor = shape.layer_character[draw.layer];
-  hair.is_card = scene.memory().Of<&Streams::strands>(chunk)->width[lane] >= kCardWidth;
+  hair.is_card =
+      draw.strand_texture || scene.memory().Of<&Streams::strands>(chunk)->width[lane] >= kCardWidth;
+  hair.has_texture = draw.strand_texture != nullptr;
   hair.number = chunk * kStrandsPerChunk + lane;
   for (int c = 0; c < 3; ++c) {
     hair.root[c] = roots.position[c][lane];
@@ -114,7 +116,7 @@ uint32_t CountStrips(const std::vector<std::vector<Hair>>& layers) {
   uint32_t strips = 0;
   for (const std::vector<Hair>& hairs : layers)
     for (const Hair& hair : hairs)
-      if (hair.is_card) strips = std::max(strips, hair.film_strip + 1);
+      if (hair.is_card && !hair.has_texture) strips = std::max(strips, hair.film_strip + 1);
   return strips;
 }
 
@@ -140,8 +142,10 @@ HairEnd ShadeKnot(const Hair& hair, uint32_t k, const LightSet& light, const Hai
     painted = PaintedHair(look, seen);
   }
   const glm::vec3 screen = projection.Project(at);
-  return {screen, ShadeHair(light, painted, point),
-          hair.knot[k].width * projection.SamplesPerMetre(screen.z)};
+  HairEnd end{screen, ShadeHair(light, painted, point),
+              hair.knot[k].width * projection.SamplesPerMetre(screen.z)};
+  if (hair.has_texture) end.highlights = SunHighlights(light, painted, point);
+  return end;
 }
 
 }  // namespace pelt

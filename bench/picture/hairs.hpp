@@ -29,7 +29,8 @@ struct Hair {
   uint32_t actor;
   uint32_t number;         // of the strand among all of the scene
   uint32_t film_strip;     // of bench/shading/shaders/film_strip.glsl
-  bool is_card;            // wide enough to show silhouettes
+  bool is_card;            // wide enough to show silhouettes, or with a texture
+  bool has_texture;        // an artist's
   glm::vec3 root, normal;  // on the skin
   glm::vec4 paint;         // amounts, none of a layer that is not lit
   PaintLook paint_look;
@@ -49,7 +50,7 @@ PaintLook PaintLookOf(const LayerDraw& draw);
 // Layer by layer in the drawing order, each layer far to near.
 std::vector<std::vector<Hair>> ReadHairs(const FurScene& scene, VertexOrder order);
 
-// How many film strips their cards need, from the first; 0 without cards.
+// How many of Pelt's own film strips their cards need, from the first; 0 without such cards.
 uint32_t CountStrips(const std::vector<std::vector<Hair>>& layers);
 
 // A hair's knots as they are painted: lit, projected, as wide as in the picture. `depth_light` and `sun_share` as

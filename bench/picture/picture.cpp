@@ -223,7 +223,9 @@ void DrawShells(const PictureScene& scene, size_t draw, const SunShare& sun,
 }
 
 void DrawHair(const Hair& hair, const PictureLook& look, float floor, const Projection& projection,
-              const SceneShadows& shadows, const StripTexture& strips, Canvas& canvas) {
+              const SceneShadows& shadows, CardPiece card, Canvas& canvas) {
+  card.strip = hair.film_strip;
+  card.wet_dirty = WetAndDirty(hair.paint);
   const float depth = hair.DepthOfLight();
   HairEnd last{};
   for (uint32_t k = 0; k < hair.knots; ++k) {
@@ -232,7 +234,8 @@ void DrawHair(const Hair& hair, const PictureLook& look, float floor, const Proj
                                   DepthShadow(at, hair.root, hair.normal, depth, floor),
                                   shadows.OnActor(hair.actor, at), projection);
     const float pieces = float(hair.knots - 1);
-    const CardPiece card{&strips, hair.film_strip, float(k - 1) / pieces, float(k) / pieces};
+    card.from = float(k - 1) / pieces;
+    card.to = float(k) / pieces;
     if (k > 0) canvas.DrawHair(last, end, hair.Alpha(), hair.is_card ? &card : nullptr);
     last = end;
   }
@@ -275,9 +278,11 @@ std::vector<uint8_t> SoftwareRenderer::Draw(const PictureScene& scene,
   for (size_t i = 0; i < scene.draws.size(); ++i) {
     const PictureLook& look = scene.layer_looks[i];
     DrawShells(scene, i, sun_on(scene.actors[i]), projection, canvas);
+    const StripTexture& shown = scene.strips[i] ? *scene.strips[i] : strips;
+    const CardPiece card{.texture = &shown, .tint = TintOfStrands(scene.draws[i])};
     for (const Hair& hair : scene.layers[i])
       DrawHair(hair, look, DepthFloor(scene.bodies[hair.actor].mean_covered, look.depth_floor),
-               projection, shadows, strips, canvas);
+               projection, shadows, card, canvas);
     canvas.FinishLayer();
   }
   return canvas.Resolve(samples);

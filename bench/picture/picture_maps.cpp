@@ -54,6 +54,14 @@ const SkinFurFinder& PictureMaps::SkinOf(const Scenario& scenario, const FurScen
   return *skins_[actor];
 }
 
+std::shared_ptr<const StripTexture> PictureMaps::StripsOf(
+    const std::shared_ptr<const StrandTexture>& texture) const {
+  if (!texture) return nullptr;
+  for (const auto& [known, made] : strips_)
+    if (known == texture) return made;
+  return strips_.emplace_back(texture, std::make_shared<const StripTexture>(*texture)).second;
+}
+
 SharedGrowth PictureMaps::GrowthOf(uint32_t actor, std::string_view layer) const {
   for (const LayerGrowth& known : growth_[actor])
     if (known.layer == layer) return known.growth;

@@ -5,9 +5,11 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bench/picture/growth_sheets.hpp"
+#include "bench/picture/strip_texture.hpp"
 #include "bench/scenarios/scenarios.hpp"
 #include "core/groom/surface_colour.hpp"
 
@@ -31,6 +33,9 @@ class PictureMaps {
                               uint32_t actor) const;
   // Null where the layer has none.
   SharedGrowth GrowthOf(uint32_t actor, std::string_view layer) const;
+  // An artist's texture of strands, with levels; made when it is asked for first. Null of null.
+  std::shared_ptr<const StripTexture> StripsOf(
+      const std::shared_ptr<const StrandTexture>& texture) const;
   const std::vector<std::string>& relief() const { return relief_; }
   // What could not be read or made, one sentence each.
   const std::vector<std::string>& notes() const { return notes_; }
@@ -47,6 +52,9 @@ class PictureMaps {
   std::vector<std::shared_ptr<const ReliefCoat>> coats_;             // of the actors
   std::vector<std::vector<LayerGrowth>> growth_;                     // of the actors
   mutable std::vector<std::shared_ptr<const SkinFurFinder>> skins_;  // likewise
+  mutable std::vector<
+      std::pair<std::shared_ptr<const StrandTexture>, std::shared_ptr<const StripTexture>>>
+      strips_;
   std::vector<std::string> notes_;
 };
 

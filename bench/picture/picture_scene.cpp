@@ -53,6 +53,7 @@ PictureScene GatherPicture(const Scenario& scenario, const PictureMaps& maps, co
     shown.growth.push_back(GrowthOfShells(scenario, scene, draw, growth[draw.layer]));
     FurTexture& texture = shown.textures.emplace_back();
     if (!draw.format().OfStrands()) texture.texels = scene.FurTexture(draw.layer, texture.side);
+    shown.strips.push_back(maps.StripsOf(scene.StrandTextureOf(draw.layer)));
     shown.actors.push_back(scene.shape().layer_character[draw.layer]);
   }
   LightPicture(scene, shown);

@@ -44,6 +44,8 @@ struct PictureScene {
   std::vector<uint32_t> actors;          // whose layer it is
   std::vector<PictureLook> layer_looks;  // and what it is lit by
   std::vector<PictureLook> body_looks;   // of each character's skin
+  // Of each draw, the artist's texture of its strands; null: Pelt's own.
+  std::vector<std::shared_ptr<const StripTexture>> strips;
   // Of each draw, where its vertices are the picture's own (OwnVertices); else none.
   std::vector<std::vector<std::byte>> own_vertices;
   std::vector<std::vector<uint32_t>> own_orders;  // likewise, of LayerDraw::order
@@ -69,6 +71,10 @@ PictureScene GatherPicture(const Scenario& scenario, const PictureMaps& maps, co
 PictureScene GatherPicture(const Scenario& scenario, const FurScene& scene, const Camera& camera,
                            VertexOrder order, std::vector<std::string>& notes,
                            std::span<const std::string> relief = {});
+// What multiplies the colour where a strand texture has extra tint.
+inline glm::vec3 TintOfStrands(const LayerDraw& draw) {
+  return VecOf(draw.look->strand_tint.data());
+}
 // Has the draws' vertices in the picture's own memory, where they can be changed; returns them, one for each draw.
 std::span<std::vector<std::byte>> OwnVertices(PictureScene& scene);
 

@@ -53,7 +53,9 @@ void ShadowMap::Add(int x, int y, float depth, uint32_t coverage) {
   texel.coverage = std::min(texel.coverage + coverage, kFull);
 }
 
-void ShadowMap::AddHair(const glm::vec3& a, const glm::vec3& b, float width, float alpha) {
+void ShadowMap::AddHair(const glm::vec3& a, const glm::vec3& b, float width, float alpha,
+                        float least) {
+  if (std::min(width * texels_per_m_, 1.0f) * alpha < least) return;
   const glm::vec3 from = Map(a), along = Map(b) - from;
   const float length = std::max(std::abs(along.x), std::abs(along.y));
   const int steps = std::clamp(int(std::ceil(length)), 1, 4 * side_);
@@ -180,6 +182,20 @@ void AddShells(const LayerDraw& draw, const FurTexture& texture, ShadowMap& map)
     }
 }
 
+namespace {
+
+// Of the piece before knot k; `strips`: an artist's, or null.
+float OpacityOf(const Hair& hair, uint32_t k, const StripTexture* strips) {
+  if (!hair.is_card || !strips) return hair.Opacity();
+  const auto cover = [&](uint32_t knot) {
+    return strips->CoverAt(hair.film_strip, float(knot) / float(hair.knots - 1),
+                           WetAndDirty(hair.paint));
+  };
+  return hair.Alpha() * 0.5f * (cover(k - 1) + cover(k));
+}
+
+}  // namespace
+
 SceneShadows::SceneShadows(const PictureScene& scene)
     : look_(scene.look.shadow), near_(scene.bodies.size()) {
   const glm::vec3& to_sun = scene.look.light.to_sun;
@@ -193,11 +209,13 @@ SceneShadows::SceneShadows(const PictureScene& scene)
     for (uint32_t b = 0; b < bodies.size(); ++b)
       if (a == b || ShadowMeets(balls[a], balls[b], to_sun)) near_[a].push_back(b);
   }
-  for (const auto& hairs : scene.layers)
-    for (const Hair& hair : hairs)
+  for (size_t i = 0; i < scene.layers.size(); ++i)
+    for (const Hair& hair : scene.layers[i])
       for (uint32_t k = 1; k < hair.knots && hair.shadow > 0.0f; ++k)
         maps_[hair.actor].AddHair(hair.knot[k - 1].at, hair.knot[k].at,
-                                  hair.knot[k].width * hair.shadow, hair.Opacity());
+                                  hair.knot[k].width * hair.shadow,
+                                  OpacityOf(hair, k, scene.strips[i].get()),
+                                  scene.draws[i].look->shadow_alpha);
   for (size_t i = 0; i < scene.draws.size(); ++i)
     AddShells(scene.draws[i], scene.textures[i], maps_[scene.actors[i]]);
   for (ShadowMap& map : maps_) map.Soften(kSoftTexels);

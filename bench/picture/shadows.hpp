@@ -30,8 +30,10 @@ class ShadowMap {
   // Covers a ball of `radius` metres round `centre`. `to_light` is unit.
   ShadowMap(const glm::vec3& to_light, const glm::vec3& centre, float radius, uint32_t side);
 
-  // A piece of a hair of this full width, m: as wide as a texel, with less coverage where it is thinner.
-  void AddHair(const glm::vec3& a, const glm::vec3& b, float width, float alpha);
+  // A piece of a hair of this full width, m: as wide as a texel, with less coverage where it is thinner; nothing where
+  // that is below `least`.
+  void AddHair(const glm::vec3& a, const glm::vec3& b, float width, float alpha,
+               float least = 0.0f);
   // `covered`: share of a texel that it covers, at its corners; nothing is added where that is none.
   void AddTriangle(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c,
                    const glm::vec3& covered = glm::vec3(1.0f));

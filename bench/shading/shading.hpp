@@ -33,6 +33,7 @@ using uint = uint32_t;
 #include "bench/shading/shaders/relief.glsl"
 #include "bench/shading/shaders/shell_shading.glsl"
 #include "bench/shading/shaders/strand_light.glsl"
+#include "bench/shading/shaders/strand_texture.glsl"
 // And these of those.
 #include "bench/shading/shaders/paint_shading.glsl"
 #include "bench/shading/shaders/relief_shading.glsl"

@@ -82,6 +82,36 @@ TEST(FilmStrip, TextureKeepsEachStripsCoverageInEveryLevel) {
   }
 }
 
+// An artist's strips of 6 x 5 texels: strip s is covered in 2 s + 1 columns, and red there.
+TEST(FilmStrip, AnArtistsTextureKeepsEachStripInEveryLevel) {
+  StrandTexture artists{.width = 18, .height = 5, .strips = 3, .rgba = {}};
+  for (uint32_t i = 0; i < 18 * 5; ++i) {
+    const uint8_t byte = i % 6 < 2 * (i % 18 / 6) + 1 ? 255 : 0;
+    artists.rgba.insert(artists.rgba.end(), {byte, 0, byte, byte});
+  }
+  const StripTexture look(artists);
+  artists.channels = StrandChannels::kWeather;
+  const StripTexture weather(artists);
+  ASSERT_EQ(look.levels(), 4u) << "8 x 8 and down to 1 x 1";
+  for (uint32_t strip = 0; strip < 3; ++strip) {
+    const float share = float(2 * strip + 1) / 6.0f;
+    for (uint32_t level = 0; level < 4; ++level) {
+      const float footprint = 1.0f / float(look.width(level));
+      glm::vec4 sum(0.0f);
+      for (float at = 0.5f * footprint; at < 1.0f; at += footprint)
+        sum += look.Texel(strip, at, 0.5f, footprint) * footprint;
+      EXPECT_NEAR(sum.w, share, 0.03f) << strip << ' ' << level;
+    }
+    EXPECT_GT(look.Texel(strip, 0.5f, 0.5f, 1.0f).x, 0.75f) << "of what is covered";
+    const glm::vec2 dry(0.0f), wet(1.0f, 0.0f), dirty(1.0f, 1.0f);
+    EXPECT_NEAR(look.CoverAt(strip, 0.5f, dirty), share, 0.03f);
+    EXPECT_NEAR(weather.CoverAt(strip, 0.5f, dry), share, 0.03f);
+    EXPECT_EQ(weather.CoverAt(strip, 0.5f, wet), 0.0f);
+    EXPECT_NEAR(weather.CoverAt(strip, 0.5f, dirty), share, 0.03f);
+  }
+  EXPECT_EQ(look.CoverAt(7, 0.5f, {}), look.CoverAt(2, 0.5f, {})) << "nothing beyond the last";
+}
+
 TEST(FilmStrip, TextureIsSampledAsTheFunctionIs) {
   const StripTexture texture(kStrips);
   for (uint32_t strip = 0; strip < kStrips; ++strip)

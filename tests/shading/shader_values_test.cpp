@@ -135,6 +135,13 @@ std::vector<Function> ListFunctions() {
        }},
       {"ShadeRelief", "LIGHT vec4(ShadeRelief(0, light, look, p), 0.0)",
        [](A a) { return Wide(ShadeRelief(HeightOf, LightOf(a), kHairLook, ReliefPointOf(a))); }},
+      {"TexelColour",
+       "vec4(TexelColour(1, u, abs(v.xyz), abs(d.xyz), e.xyz), TexelCover(2, u, abs(v.zx)))",
+       [](A a) {
+         const glm::vec3 lit = glm::abs(glm::vec3(a.v)), highlights = glm::abs(Unit(a.d));
+         return glm::vec4(TexelColour(1, a.u, lit, highlights, Unit(a.e)),
+                          TexelCover(2, a.u, glm::abs(glm::vec2(a.v.z, a.v.x))));
+       }},
       {"ShellPosition",
        "vec4(ShellPosition(u.xyz, d.xyz, v.xyz, u.w), ShellCoverage(u.x, u.y, u.z))",
        [](A a) {
@@ -222,7 +229,7 @@ class Bench {
     std::string functions = ShaderText("studio.glsl");
     functions.insert(functions.find(OwnText("spherical_harmonics.glsl")), kTileText);
     for (const char* file : {"paint_shading.glsl", "shell_shading.glsl", "film_strip.glsl",
-                             "relief.glsl", "relief_shading.glsl"})
+                             "strand_texture.glsl", "relief.glsl", "relief_shading.glsl"})
       functions += OwnText(file);
     return functions +
            "uniform sampler2D arguments;\nout vec4 result;\n"

@@ -49,6 +49,12 @@ FN vec3 Highlights(HairLook look, HairPoint p, vec3 to_light) {
   return vec3(first) + p.colour * second;
 }
 
+// What both highlights add to a hair in the sun.
+FN vec3 SunHighlights(LightSet light, HairLook look, HairPoint p) {
+  vec3 sun = light.sun * WrapDiffuse(dot(p.normal, light.to_sun), look.wrap);
+  return Highlights(look, p, light.to_sun) * sun * (p.sun_share * p.depth_light);
+}
+
 // What the light behind adds at the outline, of hair or skin of this colour.
 FN vec3 OutlineLight(LightSet light, HairLook look, vec3 colour, vec3 normal, vec3 to_eye) {
   float rim = look.rim * Rim(normal, to_eye, look.rim_exponent) *
@@ -64,7 +70,7 @@ FN vec3 ShadeHair(LightSet light, HairLook look, HairPoint p) {
   vec3 sum = sunlit * sun * HairDiffuse(p.tangent, light.to_sun);
   sum += deep * 0.5f *
          (ShLight(light.sky, p.normal, kShLambert) + ShLight(light.sky, p.tangent, kShHair));
-  sum += Highlights(look, p, light.to_sun) * sun * (p.sun_share * p.depth_light);
+  sum += SunHighlights(light, look, p);
   sum += through * light.sun *
          (p.sun_share * Backlight(p.tangent, light.to_sun, p.to_eye, look.backlight_exponent));
   sum += through * max(light.rim, vec3(0.0f)) *

@@ -1,11 +1,13 @@
 // Premultiplied: drawn over what is there.
+// After: strand_texture.glsl
 // After: passes/card.glsl
 
-in vec3 lit;
+in vec3 lit, highlights;
 in float coverage;
 out vec4 colour;
 
 void main() {
-  float covered = coverage * CardCover();
-  colour = vec4(lit * covered, covered);
+  vec4 seen = OnCard(lit, highlights);
+  float covered = coverage * seen.a;
+  colour = vec4(seen.rgb * covered, covered);
 }

@@ -6,6 +6,7 @@
 // After: passes/frame.glsl
 // After: paint_shading.glsl
 // After: passes/painted.glsl
+// After: strand_texture.glsl
 // After: passes/strand.glsl
 uniform float depth_floor;
 
@@ -13,6 +14,7 @@ out vec3 sunlit, skylit, rimlit;  // times the buffer's coefficients
 out float coverage;
 out vec3 on_card;
 flat out int strip;
+flat out vec2 wet_dirty;
 
 void main() {
   Strand strand = ReadStrand();
@@ -30,5 +32,6 @@ void main() {
   float from = look.rim * RimFrom(strand.normal, light.to_rim, look.rim_from);
   rimlit = light.rim * mix(knot.colour.rgb, vec3(1.0), 0.25) * (from * depth_light);
   strip = strand.strip;
+  wet_dirty = WetAndDirty(strand.paint);
   gl_Position = CornerOf(knot, float(gl_VertexID % 2), along, coverage, on_card);
 }

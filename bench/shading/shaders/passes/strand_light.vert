@@ -6,14 +6,16 @@
 // After: passes/shadow_maps.glsl
 // After: paint_shading.glsl
 // After: passes/painted.glsl
+// After: strand_texture.glsl
 // After: passes/strand.glsl
 uniform int character;
 uniform float depth_floor;
 
-out vec3 lit;
+out vec3 lit, highlights;
 out float coverage;
 out vec3 on_card;
 flat out int strip;
+flat out vec2 wet_dirty;
 
 void main() {
   Strand strand = ReadStrand();
@@ -31,6 +33,8 @@ void main() {
   HairLook hair = look;
   PaintHair(strand.paint, strand.normal, point.noise, point.colour, hair);
   lit = ShadeHair(light, hair, point);
+  highlights = SunHighlights(light, hair, point);
   strip = strand.strip;
+  wet_dirty = WetAndDirty(strand.paint);
   gl_Position = CornerOf(knot, float(gl_VertexID % 2), along, coverage, on_card);
 }
