@@ -14,6 +14,7 @@
 #include "core/groom/groom_file.hpp"
 #include "core/groom/height_field.hpp"
 #include "core/groom/nearest_word.hpp"
+#include "core/groom/photo_strip.hpp"
 
 namespace pelt {
 namespace {
@@ -226,11 +227,24 @@ void WriteHeightField(const BakeArgs& args, BakeReport& report) {
   report.height_field = args.height_field;
 }
 
+void WriteStrip(const BakeArgs& args) {
+  RequirePictures();
+  const StrandTexture strip =
+      CutStrips(ReadControlMapFile(args.strip_from), args.strips, args.strip_from);
+  WritePng("strip", args.strip, strip.rgba, strip.width, strip.height, 4);
+  fmt::print("{}: {} strips of {} x {} texels\n", args.strip.path(), strip.strips,
+             strip.width / strip.strips, strip.height);
+}
+
 }  // namespace
 
 ExitCode Bake(const BakeArgs& args) {
   if (args.keys) {
     fmt::print("{}", DescribeSetupKeys());
+    return kDone;
+  }
+  if (!args.strip.empty()) {
+    WriteStrip(args);
     return kDone;
   }
   if (!args.flow_map.empty() || !args.height_field.empty()) RequirePictures();

@@ -26,6 +26,15 @@ Subcommand SetUpBake(CLI::App& root) {
       ->capture_default_str();
   AddOutputFile(*app, "--height-field", args.height_field,
                 "PNG file for a tile of hairs as heights, for relief", ".png");
+  auto* strip = AddOutputFile(*app, "--strip", args.strip,
+                              "PNG file for a strand_texture, of --strip-from; no groom", ".png");
+  strip->needs(AddInputFile(*app, "--strip-from", args.strip_from,
+                            "A photograph with alpha: hairs side by side, roots on top")
+                   ->needs(strip));
+  app->add_option("--strips", args.strips, "Silhouettes to cut it into")
+      ->needs(strip)
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
   args.check_files_read = [app](const std::vector<std::string>& files) {
     CheckFilesRead(*app, files);
   };
@@ -38,9 +47,15 @@ Subcommand SetUpBake(CLI::App& root) {
       "  pelt bake --character builtin --setup monster --out monster.groom\n"
       "  pelt bake --setup eyepet --stats\n"
       "  pelt bake --setup monster --flow-map flow.png --flow-layer body --height-field hairs.png\n"
+      "  pelt bake --strip-from photo.png --strips 8 --strip hair.png\n"
       "  pelt bake --setup tiny --json\n"
       "  pelt bake --keys");
-  return {app, [app] { RefuseAllBut(*app, "--keys", {}); }, [kept] { return Bake(*kept); }};
+  return {app,
+          [app] {
+            RefuseAllBut(*app, "--keys", {});
+            RefuseAllBut(*app, "--strip", {"--strip-from", "--strips"});
+          },
+          [kept] { return Bake(*kept); }};
 }
 
 Subcommand SetUpShow(CLI::App& root) {

@@ -38,6 +38,9 @@ struct BakeArgs {
   OutputPath flow_map, height_field;  // PNG files
   std::string flow_layer;             // empty: the setup's first
   uint32_t flow_side = 512;           // texels
+  std::string strip_from;             // a photograph to cut into `strips` and no groom; empty: none
+  uint32_t strips = 1;
+  OutputPath strip;  // PNG file
   uint64_t seed = 0;
   bool stats = false, keys = false, json = false;
   CheckFilesReadHook check_files_read = {};  // as ScenarioRequest's

@@ -16,6 +16,7 @@ options_of() {
 # What a subcommand needs besides the output, and how much of it: as little as there is.
 base_of() {
   case "$1 $2" in
+    'bake --strip') echo --strip-from photo.png ;;
     'bake '*) echo --setup tiny ;;
     'show '*) echo builtin ;;
     'run '*) echo --scene tiny --frames 2 ;;
@@ -34,7 +35,7 @@ base_of() {
 extension_of() {
   case $1 in
     --out) [[ "$2" =~ ^(show|fit|calibrate)$ ]] && echo .toml || echo .out ;;
-    --picture | --animation | --steps | --flow-map | --height-field | --uv-template) echo .png ;;
+    --picture | --animation | --steps | --flow-map | --height-field | --strip | --uv-template) echo .png ;;
     *) echo .out ;;
   esac
 }
@@ -44,6 +45,7 @@ make_inputs() {
   "$pelt" bake --setup tiny --out tiny.groom >/dev/null || fail "bake"
   "$pelt" run --scene tiny --frames 6 --json 2>/dev/null | as_own >run.json || fail "run --json"
   cp "$source_dir/bench/scenarios/setups/tiny.toml" tiny.toml
+  cp "$source_dir/bench/picture/monster.png" photo.png
   printf '[[layer]]\nname = "a"\nsolver = "modal"\ndensity = 2000\nmax_strands = 100\n' >one.toml
 }
 
@@ -196,6 +198,7 @@ check_inputs() {
   printf '[lights.sun]\ncolour = [1, 1, 1]\n' >lights.toml
   check_input run --lights lights.toml run --scene tiny --frames 1 --lights ./in
   cp "$source_dir/tests/fuzz/corpus/gltf/builtin.glb" some.glb
+  check_input bake --strip-from photo.png bake --strip-from in --strip strip.png
   check_input show character some.glb show ./in
   check_input 'trace replay' file tiny.peltinput trace replay in
   check_input 'trace show' file tiny.peltinput trace show in
@@ -247,6 +250,7 @@ reader_of() {
     'fit --costs') echo "$1 --scene tiny --platform host --costs @" ;;
     'plan --times') echo "$1 --scene tiny --workers 2 --times @" ;;
     *' --plan') echo "$1 --scene tiny --plan @ $needs" ;;
+    'bake --strip-from') echo "$1 --strip-from @ --strip strip.png" ;;
     *' --lights') echo "$1 --scene tiny --lights ./@ $needs" ;;
     *' --haircut') echo "$1 --scene tiny --frames 1 --haircut @ $needs" ;;
     'show character') echo "$1 ./@" ;;
