@@ -165,6 +165,9 @@ void AddMaps(const BakeReport& report, ReportTree& tree) {
     tree.Add({"flow_covered", "%", 1, "covered", 100}, flow.covered);
     tree.Add({"flow_contested", "%", -2, "contested", 100}, flow.contested);
     tree.Add({"flow_longest_mm", "mm", 1, "longest"}, 1000.0 * double(flow.longest_m));
+    tree.Say(
+        fmt::format("read back by: flow_map = {{ map = \"{}\", blue = \"length\", longest = {} }}",
+                    flow.out.path(), flow.longest_m));
   }
   if (!report.height_field.empty()) {
     tree.EndLine();

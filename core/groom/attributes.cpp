@@ -102,7 +102,7 @@ Comb::Comb(const Character& character, const RestGeometry& rest, const FurSetup&
 }
 
 glm::dvec3 Comb::Direction(const glm::vec3& position, const RootFrame& frame, double azimuth,
-                           double elevation) const {
+                           double elevation, const glm::dvec3* said) const {
   const glm::dvec3 up(0.0, 0.0, 1.0);
   glm::dvec3 heading;  // along the surface
   if (has_joint_) {
@@ -115,7 +115,8 @@ glm::dvec3 Comb::Direction(const glm::vec3& position, const RootFrame& frame, do
                exact::Sin(azimuth * exact::kRadiansPerDegree), 0.0};
   }
   const double raise = elevation * exact::kRadiansPerDegree;
-  const glm::dvec3 fallback = UnitOr(heading * exact::Cos(raise) + up * exact::Sin(raise), up);
+  const glm::dvec3 fallback =
+      said ? *said : UnitOr(heading * exact::Cos(raise) + up * exact::Sin(raise), up);
 
   glm::dvec3 combed(0.0);
   double left = 1.0;  // share of the direction that no vector has taken
@@ -136,11 +137,12 @@ namespace {
 
 // What a random number is for, besides the attributes' own. The values are part of what a groom
 // looks like: never renumber.
-enum Purpose : uint64_t { kFrizzTilt = 12, kBrightness, kFilmStrip };
+enum Purpose : uint64_t { kFrizzTilt = 12, kBrightness, kFilmStrip, kDirectionAxes = 41 };
 
 constexpr bool DrawsByNumbersOfTheirOwn() {
   for (const StrandAttribute& entry : kStrandAttributes) {
     if (entry.random >= kFrizzTilt && entry.random <= kFilmStrip) return false;
+    if (entry.random >= kDirectionAxes && entry.random < kDirectionAxes + 3) return false;
     for (const StrandAttribute& other : kStrandAttributes)
       if (&other != &entry && other.random == entry.random) return false;
   }
@@ -160,10 +162,12 @@ struct Place {
   bool varies = true;  // else what is drawn at random counts as its middle
 };
 
-double Evaluate(const LayerSetup& layer, const StrandAttribute& entry, const Place& place) {
+// `said`: in place of value and map.
+double Evaluate(const LayerSetup& layer, const StrandAttribute& entry, const Place& place,
+                std::optional<float> said = std::nullopt) {
   const Attribute& attribute = layer.*entry.member;
-  double value = attribute.value;
-  if (attribute.map.map) {
+  double value = double(said.value_or(attribute.value));
+  if (attribute.map.map && !said) {
     value *= double(attribute.map.At(place.uv, place.wrap));
   }
   if (place.varies && attribute.randomise != 0.0f) {
@@ -201,8 +205,9 @@ glm::dvec3 Tilt(const glm::dvec3& direction, double limit, Random random) {
 }
 
 // Hair does not grow into the skin: at least about two degrees above it.
+constexpr double kLowest = 0.035;
+
 glm::dvec3 KeepAboveSurface(glm::dvec3 direction) {
-  constexpr double kLowest = 0.035;
   if (direction.z >= kLowest) return direction;
   direction.z = 0.0;
   const double square = glm::dot(direction, direction);
@@ -212,17 +217,22 @@ glm::dvec3 KeepAboveSurface(glm::dvec3 direction) {
   return direction;
 }
 
-// As comb and attributes have it, without frizz; in the root frame. value(&LayerSetup::azimuth) is an attribute's
-// value.
-template <class Value>
-glm::dvec3 CombedDirection(const Comb& comb, const glm::vec3& position, const RootFrame& frame,
-                           const Value& value) {
-  const glm::dvec3 direction =
-      comb.Direction(position, frame, value(&LayerSetup::azimuth), value(&LayerSetup::elevation));
-  const double turn = value(&LayerSetup::direction) * exact::kRadiansPerDegree;
-  if (turn == 0.0) return direction;
-  const double s = exact::Sin(turn), c = exact::Cos(turn);
-  return {direction.x * c - direction.y * s, direction.x * s + direction.y * c, direction.z};
+// Raises each point by its share of `raise`, but lowers none below the skin; then segments are equal again, of the
+// length that the strand then has, which is returned.
+double RaiseTip(double raise, uint32_t points, RestShape& shape) {
+  const uint32_t segments = points - 1;
+  const double least = kLowest * std::sqrt(Square(shape.offset[0]));
+  glm::dvec3 last(0.0);
+  double length = 0.0;
+  for (uint32_t i = 0; i < segments; ++i) {
+    glm::dvec3& at = shape.offset[i];
+    at.z = std::max(at.z + raise * double(i + 1) / double(segments), std::min(at.z, least));
+    length += std::sqrt(Square(at - last));
+    last = at;
+  }
+  length = std::max(length, double(kShortestStrand));
+  shape = MakeEqualSegments(shape, length, points, glm::dvec3(0.0, 0.0, 1.0));
+  return length;
 }
 
 // One of `strips`, each as much of the map's range as the others; a texel of 8 bits is never between two.
@@ -248,19 +258,21 @@ uint32_t ScaleColour(uint32_t colour, const glm::vec3& factor) {
 }  // namespace
 
 RestShape MakeRestShape(const glm::dvec3& direction, double length, double curl, double twist,
-                        uint32_t points) {
+                        uint32_t points, const glm::dvec3& profile) {
   const double segment = length / double(points - 1);
   glm::dvec3 along = Unit(direction);
   // About normal x direction: bends away from the normal. A strand that stands up bends towards the
   // tangent.
   glm::dvec3 axis(-along.y, along.x, 0.0);
   axis = glm::dot(axis, axis) > 1e-12 ? Unit(axis) : glm::dvec3(0.0, 1.0, 0.0);
-  const double bend_sin = exact::Sin(curl * segment), bend_cos = exact::Cos(curl * segment);
   const double turn_sin = exact::Sin(twist * segment), turn_cos = exact::Cos(twist * segment);
   RestShape shape{};
   glm::dvec3 end(0.0);
   for (uint32_t i = 0; i + 1 < points; ++i) {
     if (i > 0 && curl != 0.0) {
+      const double t = double(i) / double(points - 1);
+      const double bend = curl * (profile.x + (profile.y + profile.z * t) * t) * segment;
+      const double bend_sin = exact::Sin(bend), bend_cos = exact::Cos(bend);
       along = Unit(along * bend_cos + glm::cross(axis, along) * bend_sin);
       axis = axis * turn_cos + glm::cross(along, axis) * turn_sin;
       axis = Unit(axis - along * glm::dot(axis, along));
@@ -294,7 +306,11 @@ bool TakesSurfaceColour(const LayerSetup& layer) {
 AttributeMaker::AttributeMaker(const Character& character, const RestGeometry& rest,
                                const FurSetup& setup, const LayerSetup& layer,
                                std::shared_ptr<const SurfaceColour> surface)
-    : mesh_(character.mesh), rest_(rest), layer_(layer), comb_(character, rest, setup, layer) {
+    : mesh_(character.mesh),
+      rest_(rest),
+      layer_(layer),
+      comb_(character, rest, setup, layer),
+      flow_(character, rest, setup, layer, surface) {
   if (TakesSurfaceColour(layer))
     surface_ = surface ? std::move(surface) : std::make_shared<const SurfaceColour>(character);
   if (layer.offset.map.map) {
@@ -314,6 +330,39 @@ uint32_t AttributeMaker::ColourAt(const SurfacePoint& place, uint32_t said, floa
   return colour;
 }
 
+template <class Value>
+glm::dvec3 AttributeMaker::CombedDirection(const SurfacePoint& at, const glm::vec3& position,
+                                           const RootFrame& frame, const Value& value) const {
+  std::optional<glm::dvec3> said = flow_.Direction(at, frame.normal);
+  if (said)
+    said = UnitOr(frame.ToFrame(*said), glm::dvec3(0.0, 0.0, 1.0));
+  else if (layer_.direction_vector)
+    said = UnitOr(glm::dvec3(*layer_.direction_vector), glm::dvec3(0.0, 0.0, 1.0));
+  const glm::dvec3 direction =
+      comb_.Direction(position, frame, value(&LayerSetup::azimuth), value(&LayerSetup::elevation),
+                      said ? &*said : nullptr);
+  const double turn = value(&LayerSetup::direction) * exact::kRadiansPerDegree;
+  if (turn == 0.0) return direction;
+  const double s = exact::Sin(turn), c = exact::Cos(turn);
+  return {direction.x * c - direction.y * s, direction.x * s + direction.y * c, direction.z};
+}
+
+template <class Value>
+AttributeMaker::Shaped AttributeMaker::Shape(const SurfacePoint& at, const glm::dvec3& direction,
+                                             const Value& value) const {
+  const double length =
+      std::max(value(&LayerSetup::length, flow_.Length(at)), double(kShortestStrand));
+  const uint32_t points = layer_.params.points;
+  Shaped shaped{
+      MakeRestShape(direction, length, value(&LayerSetup::curl) * exact::kRadiansPerDegree,
+                    value(&LayerSetup::twist) * exact::kRadiansPerDegree, points,
+                    glm::dvec3(layer_.curl_profile)),
+      length};
+  const double raise = value(&LayerSetup::offset_tip);
+  if (raise != 0.0) shaped.length = RaiseTip(raise, points, shaped.rest);
+  return shaped;
+}
+
 GroomedStrand AttributeMaker::Groom(const ScatterPoint& point, uint32_t strand) const {
   GroomedStrand groomed{};
   groomed.place = point.place;
@@ -331,21 +380,27 @@ GroomedStrand AttributeMaker::Groom(const ScatterPoint& point, uint32_t strand) 
     if (entry.trait)
       groomed.traits.*entry.trait =
           float(std::clamp(Evaluate(layer_, entry, place), entry.low, entry.high));
-  const auto value = [&](Attribute LayerSetup::*attribute) {
-    return Evaluate(layer_, kStrandAttributes[PlaceOf(attribute)], place);
+  const auto value = [&](Attribute LayerSetup::*attribute, std::optional<float> said = {}) {
+    return Evaluate(layer_, kStrandAttributes[PlaceOf(attribute)], place, said);
   };
-  const double length = std::max(value(&LayerSetup::length), double(kShortestStrand));
-  groomed.length = float(length);
   groomed.strength = float(std::clamp(value(&LayerSetup::strength), 0.0, 1.0));
 
-  glm::dvec3 direction = CombedDirection(comb_, point.position, groomed.frame, value);
+  glm::dvec3 direction = CombedDirection(point.place, point.position, groomed.frame, value);
+  if (const glm::dvec3 range(layer_.direction_range); range != glm::dvec3(0.0)) {
+    glm::dvec3 moved = direction;
+    for (int axis = 0; axis < 3; ++axis)
+      moved[axis] +=
+          range[axis] *
+          RandomFor(layer_.seed, kDirectionAxes + uint64_t(axis), strand).Uniform(-1.0, 1.0);
+    direction = UnitOr(moved, direction);
+  }
   const double frizz = value(&LayerSetup::frizz) * exact::kRadiansPerDegree;
   if (frizz != 0.0) {
     direction = Tilt(direction, frizz, RandomFor(layer_.seed, kFrizzTilt, strand));
   }
-  groomed.rest = MakeRestShape(
-      KeepAboveSurface(direction), length, value(&LayerSetup::curl) * exact::kRadiansPerDegree,
-      value(&LayerSetup::twist) * exact::kRadiansPerDegree, layer_.params.points);
+  const Shaped shaped = Shape(point.place, KeepAboveSurface(direction), value);
+  groomed.rest = shaped.rest;
+  groomed.length = float(shaped.length);
 
   const double variation = value(&LayerSetup::colour_variation);
   const auto tinted = [&](uint32_t colour, const MapChannel& own) {
@@ -376,16 +431,13 @@ StrandLie AttributeMaker::MeanLie(const SurfacePoint& at) const {
                     .seed = layer_.seed,
                     .owner = 0,
                     .varies = false};
-  const auto value = [&](Attribute LayerSetup::*attribute) {
-    return Evaluate(layer_, kStrandAttributes[PlaceOf(attribute)], place);
+  const auto value = [&](Attribute LayerSetup::*attribute, std::optional<float> said = {}) {
+    return Evaluate(layer_, kStrandAttributes[PlaceOf(attribute)], place, said);
   };
-  const double length = std::max(value(&LayerSetup::length), double(kShortestStrand));
   const glm::vec3 position = Interpolate(rest_.position, mesh_, at);
-  const glm::dvec3 direction = KeepAboveSurface(CombedDirection(comb_, position, frame, value));
-  const RestShape shape =
-      MakeRestShape(direction, length, value(&LayerSetup::curl) * exact::kRadiansPerDegree,
-                    value(&LayerSetup::twist) * exact::kRadiansPerDegree, layer_.params.points);
-  const glm::dvec3 tip = shape.offset[layer_.params.points - 2];
+  const glm::dvec3 direction = KeepAboveSurface(CombedDirection(at, position, frame, value));
+  const auto [rest, length] = Shape(at, direction, value);
+  const glm::dvec3 tip = rest.offset[layer_.params.points - 2];
   const double reach = std::sqrt(glm::dot(tip, tip));
   // One that curls up comes back to its root.
   const glm::dvec3 towards = reach > 1e-3 * length ? KeepAboveSurface(tip / reach) : direction;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/character/character.hpp"
+#include "core/groom/flow_map.hpp"
 #include "core/groom/fur_setup.hpp"
 #include "core/groom/growth.hpp"
 #include "core/groom/scatter.hpp"
@@ -18,8 +19,8 @@
 
 namespace pelt {
 
-// Which way the fur lies: comb vectors, a joint's direction outside their reach, or azimuth and
-// elevation in tangent space.
+// Which way the fur lies: comb vectors; outside their reach a flow map, a vector, a joint's direction, or azimuth
+// and elevation in tangent space.
 //
 // A comb vector weighs (1 - (distance / reach)^2)^2, less where its own surface faces another way
 // than the strand's, so that a vector on one side of an arm does not comb the other. Vectors give
@@ -46,9 +47,10 @@ class Comb {
   // Throws pelt::Error when comb_joint is unknown.
   Comb(const Character&, const RestGeometry&, const FurSetup&, const LayerSetup&);
 
-  // Unit direction in the root frame of the strand there. Angles in degrees.
+  // Unit direction in the root frame of the strand there. Angles in degrees. `said`: unit, in place of joint and
+  // angles; null: none.
   glm::dvec3 Direction(const glm::vec3& position, const RootFrame& frame, double azimuth,
-                       double elevation) const;
+                       double elevation, const glm::dvec3* said = nullptr) const;
 
  private:
   struct Vector {
@@ -86,9 +88,10 @@ struct GroomedStrand {
 
 // A strand of `length` with `points` points and equal segments that leaves the root along the unit
 // `direction` (root frame) and bends by `curl` radians per metre, towards the surface where it is
-// positive, in a plane that turns by `twist` radians per metre about the strand.
+// positive, in a plane that turns by `twist` radians per metre about the strand. At a share t of its length it bends
+// by so much times profile.x + profile.y t + profile.z t^2.
 RestShape MakeRestShape(const glm::dvec3& direction, double length, double curl, double twist,
-                        uint32_t points);
+                        uint32_t points, const glm::dvec3& profile = {1.0, 0.0, 0.0});
 
 // A strand of `length` with `points` points and equal segments that go the way of those through
 // `places`. A segment that is nothing there goes on as the one before it, the first one along
@@ -118,15 +121,28 @@ class AttributeMaker {
   StrandLie MeanLie(const SurfacePoint&) const;
   // How far the skin is raised along its normal at a mesh vertex, m.
   float LiftVertex(uint32_t vertex) const;
+  const LayerSetup& layer() const { return layer_; }
 
  private:
   const Mesh& mesh_;
   const RestGeometry& rest_;
   const LayerSetup& layer_;
   Comb comb_;
+  PaintedFlow flow_;
   std::shared_ptr<const SurfaceColour> surface_;  // if the layer takes colours from it
   std::vector<std::array<Wrap, 2>> vertex_wrap_;  // of the material there, if LiftVertex needs it
 
+  struct Shaped {
+    RestShape rest;
+    double length;  // m
+  };
+  // Of a strand there, of the unit direction; value(&LayerSetup::curl) is an attribute's value.
+  template <class Value>
+  Shaped Shape(const SurfacePoint& at, const glm::dvec3& direction, const Value& value) const;
+  // As comb and attributes have it, without what is drawn at random; in the root frame.
+  template <class Value>
+  glm::dvec3 CombedDirection(const SurfacePoint& at, const glm::vec3& position,
+                             const RootFrame& frame, const Value& value) const;
   // The colour that the setup says, or the surface's at the root, this much darker in linear light.
   uint32_t ColourAt(const SurfacePoint& place, uint32_t said, float darker) const;
 };

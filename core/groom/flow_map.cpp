@@ -9,6 +9,8 @@
 #include "core/float_rules.hpp"
 #include "core/format.hpp"
 #include "core/groom/attributes.hpp"
+#include "core/groom/setup_names.hpp"
+#include "core/groom/surface_colour.hpp"
 
 namespace pelt {
 namespace {
@@ -22,6 +24,109 @@ struct Texel {
   glm::vec3 bary{0.0f};
 };
 using Sheet = std::vector<Texel>;
+
+void CheckTexture(const Mesh& mesh, uint32_t side, const std::string& place) {
+  if (side < 1 || side > kMostFlowSide)
+    throw Error(Format("{}{} texels a side; 1 to {} are allowed", place, side, kMostFlowSide));
+  if (mesh.uv.empty()) throw Error(place + "the character has no texture coordinates");
+}
+
+size_t WrapTexel(int64_t i, int64_t side) {
+  const int64_t left = i % side;
+  return size_t(left < 0 ? left + side : left);
+}
+
+// Calls visit(texel, bary) for each texel whose middle lies within the triangle.
+template <class Visit>
+void VisitTexels(const Mesh& mesh, uint32_t side, const std::string& place, uint32_t triangle,
+                 const Visit& visit) {
+  glm::dvec2 p[3];
+  for (int k = 0; k < 3; ++k)
+    p[k] = glm::dvec2(mesh.uv[mesh.triangles[triangle][size_t(k)]]) * double(side);
+  const glm::dvec2 low = glm::min(glm::min(p[0], p[1]), p[2]);
+  const glm::dvec2 high = glm::max(glm::max(p[0], p[1]), p[2]);
+  const double most = 2.0 * double(side);
+  if (!(high.x - low.x <= most && high.y - low.y <= most && std::abs(low.x) < 1e12 &&
+        std::abs(low.y) < 1e12))
+    throw Error(Format("{}triangle {} goes round the texture more than twice, or lies too far out",
+                       place, triangle));
+  const glm::dvec2 a = p[1] - p[0], b = p[2] - p[0];
+  const double area = a.x * b.y - a.y * b.x;
+  if (area == 0.0) return;
+  const int64_t x_end = int64_t(exact::Floor(high.x)), y_end = int64_t(exact::Floor(high.y));
+  for (int64_t y = int64_t(exact::Floor(low.y)); y <= y_end; ++y)
+    for (int64_t x = int64_t(exact::Floor(low.x)); x <= x_end; ++x) {
+      const glm::dvec2 s = glm::dvec2(double(x) + 0.5, double(y) + 0.5) - p[0];
+      const double v = (s.x * b.y - s.y * b.x) / area, w = (a.x * s.y - a.y * s.x) / area;
+      const double u = 1.0 - v - w;
+      if (u >= 0.0 && v >= 0.0 && w >= 0.0)
+        visit(WrapTexel(y, side) * side + WrapTexel(x, side), glm::dvec3(u, v, w));
+    }
+}
+
+// Texels of so many bytes get what the nearest filled one has, counted along rows and columns; the first of several.
+void FillFromNearest(size_t side, size_t bytes, std::vector<uint8_t>& filled, uint8_t* first) {
+  std::vector<uint32_t> reached;  // in the order of their distance
+  for (size_t i = 0; i < filled.size(); ++i)
+    if (filled[i]) reached.push_back(uint32_t(i));
+  for (size_t k = 0; k < reached.size(); ++k) {
+    const size_t from = reached[k], x = from % side, y = from / side;
+    for (const size_t to : {y * side + (x + side - 1) % side, y * side + (x + 1) % side,
+                            (y + side - 1) % side * side + x, (y + 1) % side * side + x}) {
+      if (filled[to]) continue;
+      filled[to] = 1;
+      std::copy_n(first + bytes * from, bytes, first + bytes * to);
+      reached.push_back(uint32_t(to));
+    }
+  }
+}
+
+// Two edges of a triangle in the rest pose and in the texture.
+class TriangleAxes {
+ public:
+  TriangleAxes(const Mesh& mesh, const RestGeometry& rest, uint32_t triangle) {
+    const auto& v = mesh.triangles[triangle];
+    const glm::dvec3 first(rest.position[v[0]]);
+    const glm::dvec2 uv(mesh.uv[v[0]]);
+    a_ = glm::dvec3(rest.position[v[1]]) - first;
+    b_ = glm::dvec3(rest.position[v[2]]) - first;
+    uv_a_ = glm::dvec2(mesh.uv[v[1]]) - uv;
+    uv_b_ = glm::dvec2(mesh.uv[v[2]]) - uv;
+  }
+
+  // The direction in the surface as one in texture space, as long as it is.
+  glm::dvec2 ToTexture(const glm::dvec3& along) const {
+    const double aa = glm::dot(a_, a_), ab = glm::dot(a_, b_), bb = glm::dot(b_, b_);
+    const double det = aa * bb - ab * ab;
+    if (!(det > 0.0)) return glm::dvec2(0.0);
+    const double pa = glm::dot(a_, along), pb = glm::dot(b_, along);
+    const glm::dvec2 to = uv_a_ * ((pa * bb - pb * ab) / det) + uv_b_ * ((pb * aa - pa * ab) / det);
+    const double size = std::sqrt(glm::dot(to, to));
+    if (!(size > 0.0)) return glm::dvec2(0.0);
+    return to * (std::sqrt(glm::dot(along, along)) / size);
+  }
+
+  // The other way, for a direction across `normal`; 0 where there is none.
+  glm::dvec3 FromTexture(const glm::dvec2& lean, const glm::dvec3& normal) const {
+    constexpr double kLeastFacing = 0.1;
+    const double det = uv_a_.x * uv_b_.y - uv_a_.y * uv_b_.x;
+    const glm::dvec3 face = glm::cross(a_, b_);
+    const double area = std::sqrt(glm::dot(face, face));
+    if (det == 0.0 || !(area > 0.0)) return glm::dvec3(0.0);
+    const glm::dvec3 flat = a_ * ((lean.x * uv_b_.y - lean.y * uv_b_.x) / det) +
+                            b_ * ((uv_a_.x * lean.y - uv_a_.y * lean.x) / det);
+    // What lies in the triangle is raised along its own normal, as ToTexture dropped it.
+    const double facing = glm::dot(normal, face) / area;
+    const glm::dvec3 raise = std::abs(facing) > kLeastFacing ? face / (area * facing) : normal;
+    const glm::dvec3 along = flat - raise * glm::dot(normal, flat);
+    const double size = std::sqrt(glm::dot(along, along));
+    return size > 0.0 ? along * (std::sqrt(glm::dot(lean, lean)) / size) : glm::dvec3(0.0);
+  }
+
+ private:
+  glm::dvec3 a_, b_;
+  glm::dvec2 uv_a_, uv_b_;
+};
 
 // Triangles that share vertices; UV seams have vertices of their own on both sides.
 class Islands {
@@ -54,9 +159,7 @@ class SheetMaker {
         place_(Format("{}: layer '{}': flow map: ", setup.path, layer.name)),
         growth_(character, rest, setup, layer, std::move(surface)) {
     map_.side = side;
-    if (side < 1 || side > kMostFlowSide)
-      throw Error(Format("{}{} texels a side; 1 to {} are allowed", place_, side, kMostFlowSide));
-    if (mesh_.uv.empty()) throw Error(place_ + "the character has no texture coordinates");
+    CheckTexture(mesh_, side, place_);
     map_.sheet.assign(mesh_.triangles.size(), FlowMap::kNoSheet);
     for (const std::vector<uint32_t>& island : FindIslands()) Lay(island);
     if (sheets_.empty()) sheets_.emplace_back(size_t(map_.side) * map_.side);
@@ -103,37 +206,9 @@ class SheetMaker {
     return found;
   }
 
-  // Calls visit(texel, bary) for each texel whose middle lies within the triangle.
   template <class Visit>
   void ForEachTexel(uint32_t triangle, const Visit& visit) const {
-    glm::dvec2 p[3];
-    for (int k = 0; k < 3; ++k)
-      p[k] = glm::dvec2(mesh_.uv[mesh_.triangles[triangle][size_t(k)]]) * double(map_.side);
-    const glm::dvec2 low = glm::min(glm::min(p[0], p[1]), p[2]);
-    const glm::dvec2 high = glm::max(glm::max(p[0], p[1]), p[2]);
-    const double most = 2.0 * double(map_.side);
-    if (!(high.x - low.x <= most && high.y - low.y <= most && std::abs(low.x) < 1e12 &&
-          std::abs(low.y) < 1e12))
-      throw Error(
-          Format("{}triangle {} goes round the texture more than twice, or lies too far out",
-                 place_, triangle));
-    const glm::dvec2 a = p[1] - p[0], b = p[2] - p[0];
-    const double area = a.x * b.y - a.y * b.x;
-    if (area == 0.0) return;
-    const int64_t x_end = int64_t(exact::Floor(high.x)), y_end = int64_t(exact::Floor(high.y));
-    for (int64_t y = int64_t(exact::Floor(low.y)); y <= y_end; ++y)
-      for (int64_t x = int64_t(exact::Floor(low.x)); x <= x_end; ++x) {
-        const glm::dvec2 s = glm::dvec2(double(x) + 0.5, double(y) + 0.5) - p[0];
-        const double v = (s.x * b.y - s.y * b.x) / area, w = (a.x * s.y - a.y * s.x) / area;
-        const double u = 1.0 - v - w;
-        if (u >= 0.0 && v >= 0.0 && w >= 0.0)
-          visit(Wrap(y) * map_.side + Wrap(x), glm::dvec3(u, v, w));
-      }
-  }
-
-  size_t Wrap(int64_t i) const {
-    const int64_t side = int64_t(map_.side), left = i % side;
-    return size_t(left < 0 ? left + side : left);
+    VisitTexels(mesh_, map_.side, place_, triangle, visit);
   }
 
   void Lay(const std::vector<uint32_t>& island) {
@@ -169,23 +244,6 @@ class SheetMaker {
     });
   }
 
-  // The direction in the surface as one in texture space, as long as it is.
-  glm::dvec2 ToTexture(uint32_t triangle, const glm::dvec3& along) const {
-    const auto& v = mesh_.triangles[triangle];
-    const glm::dvec3 first(rest_.position[v[0]]), a = glm::dvec3(rest_.position[v[1]]) - first,
-                                                  b = glm::dvec3(rest_.position[v[2]]) - first;
-    const glm::dvec2 uv(mesh_.uv[v[0]]), uv_a = glm::dvec2(mesh_.uv[v[1]]) - uv,
-                                         uv_b = glm::dvec2(mesh_.uv[v[2]]) - uv;
-    const double aa = glm::dot(a, a), ab = glm::dot(a, b), bb = glm::dot(b, b);
-    const double det = aa * bb - ab * ab;
-    if (!(det > 0.0)) return glm::dvec2(0.0);
-    const double pa = glm::dot(a, along), pb = glm::dot(b, along);
-    const glm::dvec2 to = uv_a * ((pa * bb - pb * ab) / det) + uv_b * ((pb * aa - pa * ab) / det);
-    const double size = std::sqrt(glm::dot(to, to));
-    if (!(size > 0.0)) return glm::dvec2(0.0);
-    return to * (std::sqrt(glm::dot(along, along)) / size);
-  }
-
   uint8_t ShareByte(const SurfacePoint& at) const {
     return uint8_t(0.5f + 255.0f * std::clamp(growth_.Share(at), 0.0f, 1.0f));
   }
@@ -201,7 +259,7 @@ class SheetMaker {
         const SurfacePoint at{texel.triangle, texel.bary};
         const StrandLie lie = maker.MeanLie(at);
         const glm::dvec3 along = lie.towards - lie.normal * glm::dot(lie.towards, lie.normal);
-        const glm::dvec2 lean = ToTexture(texel.triangle, along);
+        const glm::dvec2 lean = TriangleAxes(mesh_, rest_, texel.triangle).ToTexture(along);
         uint8_t* to = &map_.rgba[(s * texels + i) * 4];
         for (int c = 0; c < 2; ++c) to[c] = uint8_t(128.5 + 127.0 * std::clamp(lean[c], -1.0, 1.0));
         to[3] = ShareByte(at);
@@ -213,26 +271,10 @@ class SheetMaker {
         map_.rgba[4 * i + 2] = uint8_t(std::max(1.0f, 0.5f + 255.0f * length[i] / map_.longest_m));
   }
 
-  // From the nearest texel that has something, counted along rows and columns; the first of several.
   void Fill(size_t sheet, size_t bytes, std::vector<uint8_t>& map) const {
-    const size_t side = map_.side, texels = side * side;
-    uint8_t* first = &map[sheet * texels * bytes];
-    std::vector<uint8_t> filled(texels);
-    std::vector<uint32_t> reached;  // in the order of their distance
-    for (size_t i = 0; i < texels; ++i) {
-      filled[i] = sheets_[sheet][i].triangle != kNobody;
-      if (filled[i]) reached.push_back(uint32_t(i));
-    }
-    for (size_t k = 0; k < reached.size(); ++k) {
-      const size_t from = reached[k], x = from % side, y = from / side;
-      for (const size_t to : {y * side + (x + side - 1) % side, y * side + (x + 1) % side,
-                              (y + side - 1) % side * side + x, (y + 1) % side * side + x}) {
-        if (filled[to]) continue;
-        filled[to] = 1;
-        std::copy_n(first + bytes * from, bytes, first + bytes * to);
-        reached.push_back(uint32_t(to));
-      }
-    }
+    std::vector<uint8_t> filled;
+    for (const Texel& texel : sheets_[sheet]) filled.push_back(texel.triangle != kNobody);
+    FillFromNearest(map_.side, bytes, filled, &map[sheet * filled.size() * bytes]);
   }
 
   const Mesh& mesh_;
@@ -255,6 +297,57 @@ GrowthMap MakeGrowthMap(const Character& character, const RestGeometry& rest, co
                         const LayerSetup& layer, uint32_t side,
                         std::shared_ptr<const SurfaceColour> surface) {
   return SheetMaker(character, rest, setup, layer, side, std::move(surface)).MakeGrowth();
+}
+
+PaintedFlow::PaintedFlow(const Character& character, const RestGeometry& rest,
+                         const FurSetup& setup, const LayerSetup& layer,
+                         std::shared_ptr<const SurfaceColour> surface)
+    : mesh_(character.mesh), rest_(rest), setup_(layer.flow_map ? &*layer.flow_map : nullptr) {
+  if (!setup_) return;
+  CheckMapsHaveUvs(mesh_, setup, layer);
+  const ControlMap& map = *setup_->picture.map;
+  const uint32_t sheets = map.height / map.width;
+  if (setup_->blue != FlowBlue::kLength || sheets < 2) return;
+  GrowthMap growth = MakeGrowthMap(character, rest, setup, layer, map.width, std::move(surface));
+  if (growth.sheets != sheets)
+    FailLayerKey(setup, layer, "flow_map",
+                 Format("has {} sheets, where this layer's texture coordinates make {}", sheets,
+                        growth.sheets));
+  sheet_ = std::move(growth.sheet);
+  const auto bytes = ptrdiff_t(map.width) * map.width * 4;
+  for (auto at = map.rgba.begin(); cut_.size() < sheets; at += bytes)
+    cut_.push_back({map.width, map.width, {at, at + bytes}});
+}
+
+const ControlMap* PaintedFlow::SheetAt(uint32_t triangle) const {
+  if (!setup_ || cut_.empty()) return setup_ ? setup_->picture.map.get() : nullptr;
+  return sheet_[triangle] == FlowMap::kNoSheet ? nullptr : &cut_[sheet_[triangle]];
+}
+
+std::optional<glm::dvec3> PaintedFlow::Direction(const SurfacePoint& at,
+                                                 const glm::dvec3& normal) const {
+  constexpr double kNoDirection = 0.1;  // length of a vector, of 1
+  const ControlMap* sheet = SheetAt(at.triangle);
+  if (!sheet) return std::nullopt;
+  const glm::vec2 uv = Interpolate(mesh_.uv, mesh_, at);
+  double v[3];
+  for (int c = 0; c < 3; ++c) v[c] = (255.0 * double(sheet->Sample(uv, c)) - 128.0) / 127.0;
+  glm::dvec2 lean(v[0], v[1]);
+  const double flat = glm::dot(lean, lean);
+  const double up = setup_->blue == FlowBlue::kUp ? v[2] : std::sqrt(std::max(0.0, 1.0 - flat));
+  const double size = std::sqrt(flat + up * up);
+  if (size < kNoDirection) return std::nullopt;
+  lean /= size;
+  if (lean == glm::dvec2(0.0)) return normal * (up / size);
+  const glm::dvec3 along = TriangleAxes(mesh_, rest_, at.triangle).FromTexture(lean, normal);
+  if (along == glm::dvec3(0.0)) return std::nullopt;
+  return along + normal * (up / size);
+}
+
+std::optional<float> PaintedFlow::Length(const SurfacePoint& at) const {
+  const ControlMap* sheet = SheetAt(at.triangle);
+  if (!sheet || setup_->blue != FlowBlue::kLength) return std::nullopt;
+  return setup_->longest * sheet->Sample(Interpolate(mesh_.uv, mesh_, at), 2);
 }
 
 }  // namespace pelt

@@ -14,8 +14,10 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/character/character.hpp"
@@ -24,6 +26,7 @@
 namespace pelt {
 
 class SurfaceColour;
+struct SurfacePoint;
 
 struct FlowMap {
   static constexpr uint16_t kNoSheet = std::numeric_limits<uint16_t>::max();
@@ -54,5 +57,28 @@ struct GrowthMap {
 // `surface` as Growth has it. Throws as MakeFlowMap.
 GrowthMap MakeGrowthMap(const Character&, const RestGeometry&, const FurSetup&, const LayerSetup&,
                         uint32_t side, std::shared_ptr<const SurfaceColour> surface = nullptr);
+
+// The layer's own `flow_map`, read back: what MakeFlowMap wrote, or a picture of an artist's. Nothing without one.
+class PaintedFlow {
+ public:
+  // `surface` as Growth has it. References are kept. Throws as MakeFlowMap, where the map has several sheets, and for
+  // another number of them than this layer's.
+  PaintedFlow(const Character&, const RestGeometry&, const FurSetup&, const LayerSetup&,
+              std::shared_ptr<const SurfaceColour> surface);
+
+  // Unit, in the rest pose; none where the map holds a vector of no direction, or the triangle has no area in it.
+  std::optional<glm::dvec3> Direction(const SurfacePoint&, const glm::dvec3& normal) const;
+  // In metres; none where the map has no lengths.
+  std::optional<float> Length(const SurfacePoint&) const;
+
+ private:
+  const ControlMap* SheetAt(uint32_t triangle) const;
+
+  const Mesh& mesh_;
+  const RestGeometry& rest_;
+  const FlowMapSetup* setup_ = nullptr;
+  std::vector<ControlMap> cut_;  // where there is more than one sheet
+  std::vector<uint16_t> sheet_;  // likewise, of each triangle
+};
 
 }  // namespace pelt

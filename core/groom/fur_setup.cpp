@@ -41,6 +41,15 @@ void CheckLayer(const SetupReader& reader, const toml::table& table, const toml:
   if (params.clump > 0.0f && layer.clump_controls == 0) {
     FailLayer(reader, table, defaults, "clump", "needs clump_controls above 0");
   }
+  if (layer.direction_vector) {
+    const glm::vec3 size = glm::abs(*layer.direction_vector);
+    if (std::max({size.x, size.y, size.z}) < 1e-6f)
+      FailLayer(reader, table, defaults, "direction_vector", "is zero");
+  }
+  if (layer.direction_vector && !layer.comb_joint.empty())
+    FailLayer(reader, table, defaults, "direction_vector", "comb_joint says the direction");
+  if (layer.flow_map && layer.flow_map->blue == FlowBlue::kLength && layer.length.map.map)
+    FailLayer(reader, table, defaults, "length", "its map and flow_map's blue both say it");
   const auto check_map = [&](const Attribute& attribute, std::string_view key) {
     if (attribute.range && attribute.value > attribute.range->y && !attribute.map.map) {
       FailLayer(reader, table, defaults, key, "its value lies above its range");

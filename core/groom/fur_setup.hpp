@@ -87,6 +87,17 @@ struct Mask {
   float colour_tolerance = 0.06f;
 };
 
+// A picture over the surface that says which way fur lies. Red and green: from root to tip, along u and v, 128 is 0, as
+// FlowMap has them.
+enum class FlowBlue : uint8_t { kUp, kLength, kUnused };
+struct FlowMapSetup {
+  MapChannel picture;  // of which every channel is read
+  // Up the normal, 128 is 0, and the three are a vector; or the length, over `longest`, of a map with sheets as FlowMap
+  // has them. But for kUp, what red and green lack of a vector of unit length goes up.
+  FlowBlue blue = FlowBlue::kUp;
+  float longest = 0.0f;  // m
+};
+
 struct CombVector {
   glm::vec3 position;   // rest pose, m
   glm::vec3 direction;  // rest pose; need not be unit
@@ -103,7 +114,8 @@ struct LayerSetup {
   std::optional<glm::vec2> density_range;  // clamps the density after map and randomise
   uint32_t max_strands = 0;                // 0: density alone decides
   Mask mask;
-  Attribute offset;            // along the normal, m
+  Attribute offset;            // of the skin, along the normal, m
+  Attribute offset_tip;        // of the tip besides, m; the strand is as long as it then is
   Attribute length{0.03f};     // m
   Attribute width{0.0004f};    // m
   Attribute direction;         // turn about the normal, degrees
@@ -122,7 +134,13 @@ struct LayerSetup {
   float comb_normal_weight = 0.5f;  // how strongly a differing normal weakens a comb vector, 0..1
   std::string comb_joint;  // outside every reach: along this joint's direction; empty: azimuth and
                            // elevation
-  uint32_t clump_controls = 16;  // control strands per chunk (rounded up to 16)
+  // Outside every reach: a direction in the root frame, of any length, in place of azimuth and elevation.
+  std::optional<glm::vec3> direction_vector;
+  // Outside every reach, where it is painted, in place of all others.
+  std::optional<FlowMapSetup> flow_map;
+  glm::vec3 direction_range{0.0f};  // added to the unit direction, each times a number in [-1, 1]
+  glm::vec3 curl_profile{1.0f, 0.0f, 0.0f};  // curl at a share t: times x + y t + z t^2
+  uint32_t clump_controls = 16;              // control strands per chunk (rounded up to 16)
   // 0xAABBGGRR. Alpha 0: the setup says none, and the surface's own colour is taken, if it has one.
   uint32_t base_colour = 0x00303850, tip_colour = 0x0090a0c0;
   Attribute colour_variation;                  // random brightness, share
@@ -168,6 +186,9 @@ inline constexpr double kBend = 1.0e5;  // degrees per metre: a full turn in 3.6
 inline constexpr StrandAttribute kEntries[] = {
     {&L::offset, "offset", "m", -1, 1, "root above the skin, along the normal",
      KeyGroup::kLook, 1},
+    {&L::offset_tip, "offset_tip", "m", -1, 1,
+     "tip above where it would be, along the normal; the strand is as long as it then is",
+     KeyGroup::kLook, 40},
     {&L::length, "length", "m", 1e-4, 10, "root to tip along the strand", KeyGroup::kLook, 2},
     {&L::width, "width", "m", 1e-6, 0.1, "at the root", KeyGroup::kLook, 3, &StrandBlock::width},
     {&L::direction, "direction", "degrees", -kDegrees, kDegrees,

@@ -68,6 +68,9 @@ std::string Show(const KeyInfo&, const std::vector<T>&) {
 
 inline const MapChannel* SurfaceMap(const MapChannel& value) { return &value; }
 inline const MapChannel* SurfaceMap(const Attribute& value) { return &value.map; }
+inline const MapChannel* SurfaceMap(const std::optional<FlowMapSetup>& value) {
+  return value ? &value->picture : nullptr;
+}
 template <class T>
 const MapChannel* SurfaceMap(const T&) {
   return nullptr;

@@ -292,6 +292,10 @@ void SetupReader::CheckDirection(const KeyInfo& info, const toml::node& node, st
   const glm::vec3 d = glm::abs(direction);
   if (std::max({d.x, d.y, d.z}) < 1e-6f) FailKey(LineOf(node), info.key, Format("{} is zero", key));
 }
+void SetupReader::Check(const KeyInfo& info, const toml::node& node, const FlowMapSetup& value) {
+  if ((value.blue == FlowBlue::kLength) != (value.longest > 0.0f))
+    FailKey(LineOf(node), info.key, "blue = \"length\" and longest go together");
+}
 void SetupReader::Check(const KeyInfo& info, const toml::node& node, const CombVector& value) {
   CheckDirection(info, node, "direction", value.direction);
 }

@@ -28,6 +28,7 @@ using setup_entries::Text;
 
 constexpr std::string_view kAxisWords[] = {"x", "y", "z"};
 constexpr std::string_view kStrandChannelWords[] = {"look", "weather"};
+constexpr std::string_view kBlueWords[] = {"up", "length", "unused"};
 constexpr double kMapLimit = 100.0;
 constexpr double kStrandLimit = 8388608.0;  // a strand's index in its layer has 24 bits
 
@@ -143,6 +144,19 @@ std::span<const KeyEntry<LayerSetup>> Schema() {
                                                "how much a differing normal weakens a comb vector"),
                 Plain<&L::comb_joint>("comb_joint", "text",
                                       "outside every comb vector's reach: along this joint"),
+                Plain<&L::direction_vector>(
+                    "direction_vector", "[x, y, z]",
+                    "likewise: along tangent, bitangent and normal; any length but 0", -kReachLimit,
+                    kReachLimit),
+                Plain<&L::flow_map>("flow_map", "table",
+                                    "likewise, painted over the surface; before the others"),
+                Plain<&L::direction_range>(
+                    "direction_range", "[x, y, z]",
+                    "added to the direction, which is unit, times a random number in [-1, 1] each",
+                    0, 10),
+                Plain<&L::curl_profile>("curl_profile", "[a, b, c]",
+                                        "curl at a share t of the strand: times a + b t + c t^2",
+                                        -kMapLimit, kMapLimit),
                 Colour<&L::base_colour>("base_colour",
                                         "at the root; if not said, the mesh's own, darker"),
                 Colour<&L::tip_colour>("tip_colour",
@@ -273,6 +287,19 @@ std::span<const KeyEntry<Mask::AwayFrom>> Schema() {
 }
 
 template <>
+std::span<const KeyEntry<FlowMapSetup>> Schema() {
+  using F = FlowMapSetup;
+  static const KeyEntry<F> kEntries[] = {
+      Required(Plain<&F::picture, &MapChannel::map>(
+          "map", "path", "PNG: red and green are the way along u and v, 128 is 0")),
+      MakeEntry<&F::blue>({"blue", "word", "", 0, 0,
+                           "the way up the normal, or the length over longest", kBlueWords}),
+      Number<&F::longest>("longest", "m", 0, 10, "length where blue = \"length\" is 255"),
+  };
+  return kEntries;
+}
+
+template <>
 std::span<const KeyEntry<CombVector>> Schema() {
   using C = CombVector;
   static const KeyEntry<C> kEntries[] = {
@@ -369,6 +396,7 @@ std::string DescribeSetupKeys() {
   Describe<Mask::Box>(out, "In mask.box");
   Describe<Mask::Range>(out, "In mask.range");
   Describe<Mask::AwayFrom>(out, "In mask.away_from");
+  Describe<FlowMapSetup>(out, "In flow_map = { ... }, as pelt bake --flow-map prints it");
   Describe<CombVector>(out, "In comb = [{ ... }]");
   Describe<LayerLook>(out, "In look, as [layer.look]");
   Describe<LightsSetup>(out, "In [lights]");

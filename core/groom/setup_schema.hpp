@@ -82,6 +82,8 @@ std::span<const KeyEntry<Mask::Range>> Schema();
 template <>
 std::span<const KeyEntry<Mask::AwayFrom>> Schema();
 template <>
+std::span<const KeyEntry<FlowMapSetup>> Schema();
+template <>
 std::span<const KeyEntry<CombVector>> Schema();
 template <>
 std::span<const KeyEntry<LayerLook>> Schema();
@@ -99,9 +101,9 @@ std::span<const KeyEntry<LightsSetup::Rim>> Schema();
 template <class T, class... Tables>
 concept OneOf = (std::is_same_v<T, Tables> || ...);
 template <class T>
-concept SetupTable =
-    OneOf<T, Mask, Mask::JointWeight, Mask::Box, Mask::Range, Mask::AwayFrom, CombVector, LayerLook,
-          LightsSetup, LightsSetup::Light, LightsSetup::Sample, LightsSetup::Sun, LightsSetup::Rim>;
+concept SetupTable = OneOf<T, Mask, Mask::JointWeight, Mask::Box, Mask::Range, Mask::AwayFrom,
+                           FlowMapSetup, CombVector, LayerLook, LightsSetup, LightsSetup::Light,
+                           LightsSetup::Sample, LightsSetup::Sun, LightsSetup::Rim>;
 
 // toml::parse that throws nothing but Error, with file and line.
 toml::table ParseToml(std::string_view text, const std::string& path);
@@ -223,6 +225,7 @@ class SetupReader {
   void Check(const KeyInfo&, const toml::node&, const Mask::AwayFrom&) {}
   void Check(const KeyInfo&, const toml::node&, const Mask::JointWeight&);
   void Check(const KeyInfo&, const toml::node&, const Mask::Range&);
+  void Check(const KeyInfo&, const toml::node&, const FlowMapSetup&);
   void Check(const KeyInfo&, const toml::node&, const CombVector&);
   void Check(const KeyInfo&, const toml::node&, const LayerLook&) {}
   void Check(const KeyInfo&, const toml::node&, const LightsSetup&) {}

@@ -118,6 +118,12 @@ check_output() {
   grep -Eq '^l0 .*[0-9] +density *$' limits.txt || fail "a layer without a limit: $(cat limits.txt)"
   grep -q 'max_strands cuts 1 of 3 layers' limits.txt || fail "no word of the cut: $(cat limits.txt)"
   grep -q 'max_strands of 1 of 3 layers is not reached' limits.txt || fail "no word of the idle limit: $(cat limits.txt)"
+  # A flow map is read by the line that is printed with it.
+  printf '[[layer]]\nname = "a"\ndensity = 2000\n' >flow.toml
+  "$pelt" bake --setup ./flow.toml --flow-map flow.png --flow-side 64 >flow.txt || fail "bake --flow-map"
+  sed -n 's/^read back by: //p' flow.txt | tee line.txt >>flow.toml
+  grep -qx 'flow_map = { map = "flow.png", blue = "length", longest = 0.03 }' line.txt || fail "the line: $(cat flow.txt)"
+  "$pelt" bake --setup ./flow.toml --flow-map again.png --flow-side 64 | grep -q 'longest = 0.03 }' || fail "its flow map is not read"
   "$pelt" bake --setup tiny --seed 9 --out c.groom >/dev/null
   cmp -s a.groom c.groom && fail "another seed gave the same groom"
   for switch in sleep unmoved sort wind cull digest; do

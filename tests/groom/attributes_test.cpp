@@ -70,6 +70,73 @@ TEST(RestShape, TwistTurnsThePlaneOfTheCurl) {
   }
 }
 
+TEST(RestShape, CurlFollowsItsProfileAlongTheStrand) {
+  const RestShape bent =
+      MakeRestShape({0.6, 0.0, 0.8}, 0.1, 8.0, 0.0, 5, glm::dvec3(0.5, 1.0, 2.0));
+  double angle = std::atan2(0.8, 0.6);
+  glm::dvec3 end(0.0);
+  for (int i = 0; i < 4; ++i) {
+    const double t = i / 4.0;
+    if (i > 0) angle -= 8.0 * 0.025 * (0.5 + t + 2.0 * t * t);
+    end += glm::dvec3(std::cos(angle), 0.0, std::sin(angle)) * 0.025;
+    EXPECT_NEAR(glm::length(bent.offset[i] - end), 0.0, 1e-13) << i;
+  }
+}
+
+TEST(Attributes, TheTipsOffsetRaisesTheTipAndTheStrandGrows) {
+  Fixture f;
+  f.layer.length = Attribute(0.05f);
+  f.layer.elevation = Attribute(30.0f);
+  f.layer.offset_tip = Attribute(0.02f);
+  const glm::dvec3 tip(0.05 * std::sqrt(0.75), 0.0, 0.05 * 0.5 + 0.02);
+  for (const GroomedStrand& s : f.Groom()) {
+    for (int i = 0; i < 3; ++i)
+      EXPECT_NEAR(glm::length(s.rest.offset[i] - tip * ((i + 1) / 3.0)), 0.0, 1e-7);
+    EXPECT_NEAR(s.length, glm::length(tip), 1e-7);
+  }
+  f.layer.offset_tip = Attribute(-0.1f);  // it lies flat, and no deeper
+  for (const GroomedStrand& s : f.Groom()) {
+    for (const glm::dvec3& at : {s.rest.offset[0], s.rest.offset[1], s.rest.offset[2]}) {
+      EXPECT_GT(at.z, 0.0);
+      EXPECT_LT(at.z, 0.001);
+    }
+    EXPECT_NEAR(s.length, tip.x, 1e-4);
+  }
+}
+
+TEST(Attributes, DirectionIsAVectorWithARangeOfEachAxis) {
+  Fixture f;
+  f.layer.direction_vector = glm::vec3(0.3f, 0.4f, 1.2f);
+  for (const GroomedStrand& s : f.Groom())
+    EXPECT_LT(DegreesBetween(s.rest.offset[0], {0.3, 0.4, 1.2}), 1e-4);
+  f.layer.direction_vector = glm::vec3(0.0f, 0.0f, 2.0f);
+  f.layer.direction_range = glm::vec3(0.1f, 0.2f, 0.0f);
+  const auto slopes = [&] {
+    std::vector<glm::dvec2> found;
+    for (const GroomedStrand& s : f.Groom())
+      found.push_back(glm::dvec2(s.rest.offset[0]) / s.rest.offset[0].z);
+    return found;
+  };
+  const std::vector<glm::dvec2> both = slopes();
+  glm::dvec2 most(0.0);
+  double product = 0.0;
+  for (const glm::dvec2& slope : both) {
+    most = glm::max(most, glm::abs(slope));
+    product += slope.x * slope.y;
+  }
+  EXPECT_LE(most.x, 0.1 + 1e-8);
+  EXPECT_LE(most.y, 0.2 + 1e-8);
+  EXPECT_GT(most.x, 0.095);
+  EXPECT_GT(most.y, 0.19);
+  EXPECT_NEAR(product / double(both.size()), 0.0, 0.001) << "each axis has a number of its own";
+  f.layer.direction_range.y = 0.0f;
+  const std::vector<glm::dvec2> one = slopes();
+  for (size_t i = 0; i < one.size(); ++i) {
+    EXPECT_NEAR(one[i].x, both[i].x, 1e-12);
+    EXPECT_NEAR(one[i].y, 0.0, 1e-12);
+  }
+}
+
 TEST(Attributes, RandomiseStaysInsideItsBoundsAndUsesThem) {
   Fixture f;
   f.layer.length = Varying(0.05f, 0.4f);

@@ -72,6 +72,16 @@ TEST(Comb, AVectorRulesAtItsPlaceAndFadesToNothingAtItsReach) {
   EXPECT_LT(DegreesBetween(comb.Direction(near_edge, kTopFrame, 0, 60), fallback), 0.01);
 }
 
+TEST(Comb, WhatTheSetupSaysHoldsOutsideEveryReach) {
+  Combed f;
+  f.layer.comb = {{kTop, {0.0f, 0.0f, -3.0f}, 0.1f}};
+  f.layer.comb_joint = "ring_2";
+  const glm::dvec3 said(0.6, 0.0, 0.8), drawn = kTopFrame.ToFrame({0, 0, -1});
+  const Comb comb = f.Make();
+  EXPECT_EQ(comb.Direction(kTop + glm::vec3(0.2f, 0, 0), kTopFrame, 0, 60, &said), said);
+  EXPECT_NEAR(DegreesBetween(comb.Direction(kTop, kTopFrame, 0, 60, &said), drawn), 0.0, 1e-6);
+}
+
 TEST(Comb, BetweenTwoEqualVectorsIsTheirMean) {
   Combed f;
   f.layer.comb = {{kTop + glm::vec3(0.02f, 0, 0), {0, 0, 1}, 0.1f},

@@ -236,6 +236,107 @@ TEST(FlowMap, RefusesWhatHasNoPlaceInTheTexture) {
   EXPECT_NE(reason(many, 16).find("more than 64 parts"), std::string::npos);
 }
 
+FlowMapSetup AsInput(const FlowMap& map) {
+  FlowMapSetup input;
+  input.picture.map =
+      std::make_shared<const ControlMap>(ControlMap{map.side, map.side * map.sheets, map.rgba});
+  input.blue = FlowBlue::kLength;
+  input.longest = map.longest_m;
+  return input;
+}
+
+// Of a layer that says nothing but the map: every byte but that of rounding twice.
+void ExpectSameReadBack(const Character& character, const RestGeometry& rest, const FurSetup& setup,
+                        const FlowMap& written) {
+  LayerSetup layer;
+  layer.name = "read";
+  layer.azimuth = 77.0f;
+  layer.length.value = 3.0f;
+  layer.flow_map = AsInput(written);
+  const FlowMap again = MakeFlowMap(character, rest, setup, layer, written.side);
+  ASSERT_EQ(again.sheets, written.sheets);
+  ASSERT_EQ(again.rgba.size(), written.rgba.size());
+  EXPECT_NEAR(again.longest_m, written.longest_m, 1e-5f);
+  for (size_t i = 0; i < again.rgba.size(); ++i)
+    ASSERT_NEAR(again.rgba[i], written.rgba[i], 1) << i / 4 << ", " << i % 4;
+}
+
+TEST(FlowMap, IsReadBackAsItWasWritten) {
+  Plane plane([](glm::vec2 at) { return glm::vec2(1.0f - 0.75f * at.y, at.x); }, 2);
+  plane.CombAll(30.0, 20.0);
+  plane.layer.comb.push_back({{0.2f, 0.0f, 0.3f}, {-1.0f, 0.2f, 0.5f}, 0.6f});
+  plane.layer.length.map = MakeMap([](float u, float) { return 0.25f + 0.5f * u; });
+  const FlowMap written = plane.Make();
+  ASSERT_EQ(written.sheets, 2u);
+  EXPECT_NE(LeanAt(written, 20, 7), LeanAt(written, 20, 7 + kSide)) << "the floors differ";
+  ExpectSameReadBack(plane.character, plane.rest, plane.setup, written);
+  const Character torus = MakeTorus();
+  const RestGeometry rest = ComputeRestGeometry(torus, 1.0f);
+  LayerSetup layer;
+  layer.name = "coat";
+  layer.comb_joint = "ring_2";
+  layer.curl = 400.0f;  // is in the map: what reads it has none
+  ExpectSameReadBack(torus, rest, plane.setup, MakeFlowMap(torus, rest, plane.setup, layer, 64));
+}
+
+// At any place, not at texels alone; and by strands too.
+TEST(FlowMap, ReadBackGivesDirectionsAndLengthsToItsPrecision) {
+  Plane plane([](glm::vec2 at) { return glm::vec2(at.x, 1.0f - 0.5f * at.y); });
+  for (double degrees = 0.0; degrees < 360.0; degrees += 45.0) {
+    plane.CombAll(degrees, 40.0);
+    LayerSetup read;
+    read.flow_map = AsInput(plane.Make());
+    const AttributeMaker maker(plane.character, plane.rest, plane.setup, read);
+    const glm::dvec3 drawn(plane.layer.comb[0].direction);
+    for (uint32_t t = 0; t < plane.character.mesh.triangles.size(); ++t) {
+      const SurfacePoint at{t, {0.27f, 0.41f, 0.32f}};
+      const StrandLie lie = maker.MeanLie(at);
+      EXPECT_LT(DegreesBetween(lie.towards, drawn), 2.0) << degrees;
+      EXPECT_NEAR(lie.length, 0.05, 1e-5);
+      const GroomedStrand strand = maker.Groom({at, {}, {0.0f, 1.0f, 0.0f}, 0.01f}, t);
+      EXPECT_LT(DegreesBetween(strand.frame.FromFrame(strand.rest.offset[2]), drawn), 2.0);
+    }
+  }
+}
+
+// Red 204 and blue 230 are 76 and 102 of 127, along u and up; grey of 128 says nothing.
+TEST(FlowMap, APaintedMapOfVectorsCombs) {
+  Plane plane(AsItIs);
+  const auto lie = [&](uint8_t red, uint8_t blue, FlowBlue means) {
+    LayerSetup layer;
+    layer.azimuth = 90.0f;
+    layer.elevation = 30.0f;
+    layer.flow_map.emplace();
+    layer.flow_map->picture.map =
+        std::make_shared<const ControlMap>(ControlMap{1, 1, {red, 128, blue, 255}});
+    layer.flow_map->blue = means;
+    return AttributeMaker(plane.character, plane.rest, plane.setup, layer)
+        .MeanLie({3, {0.2f, 0.3f, 0.5f}})
+        .towards;
+  };
+  const auto expect = [](const glm::dvec3& got, const glm::dvec3& wanted) {
+    EXPECT_LT(DegreesBetween(got, wanted), 1e-3) << got.x << ' ' << got.y << ' ' << got.z;
+  };
+  expect(lie(204, 230, FlowBlue::kUp), {76.0, 102.0, 0.0});
+  expect(lie(204, 0, FlowBlue::kUnused), {76.0, std::sqrt(127.0 * 127.0 - 76.0 * 76.0), 0.0});
+  expect(lie(204, 0, FlowBlue::kUp), {std::sqrt(1.0 - 0.035 * 0.035), 0.035, 0.0});
+  expect(lie(128, 128, FlowBlue::kUnused), {0.0, 1.0, 0.0});
+  expect(lie(128, 128, FlowBlue::kUp), {0.0, 0.5, -std::sqrt(0.75)});  // azimuth and elevation
+}
+
+TEST(FlowMap, RefusesAMapThatIsNotOfThisLayer) {
+  Plane plane(AsItIs);
+  plane.layer.flow_map = AsInput(Plane(AsItIs, 2).Make());
+  EXPECT_EQ(ErrorFrom([&] { plane.Make(); }),
+            "plane.toml: layer 'coat': key 'flow_map': has 2 sheets, where this layer's texture "
+            "coordinates make 1");
+  plane.character.mesh.uv.clear();
+  EXPECT_NE(ErrorFrom([&] {
+              AttributeMaker(plane.character, plane.rest, plane.setup, plane.layer);
+            }).find("key 'flow_map': asks for a map over the surface"),
+            std::string::npos);
+}
+
 // Each dot against every texel, over the edges too.
 TEST(HeightField, IsATileOfDotsThatRepeats) {
   constexpr uint32_t kTile = 48, kDots = 6;

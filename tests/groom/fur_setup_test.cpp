@@ -68,6 +68,17 @@ std::vector<KeyCase> ListKeyCases() {
        }},
       {"comb_normal_weight", "0.75", [](L l) { return l.comb_normal_weight == 0.75f; }},
       {"comb_joint", "'Neck'", [](L l) { return l.comb_joint == "Neck"; }},
+      {"direction_vector", "[0, 0.5, -1]",
+       [](L l) { return l.direction_vector == glm::vec3(0.0f, 0.5f, -1.0f); }},
+      {"direction_range", "[0.25, 2, 0]",
+       [](L l) { return l.direction_range == glm::vec3(0.25f, 2.0f, 0.0f); }},
+      {"flow_map", "{ map = 'maps/m.png', blue = 'length', longest = 0.5 }",
+       [](L l) {
+         return l.flow_map && l.flow_map->picture.map && l.flow_map->blue == FlowBlue::kLength &&
+                l.flow_map->longest == 0.5f && FindSurfaceMap(l) == "flow_map";
+       }},
+      {"curl_profile", "[0, -1, 2]",
+       [](L l) { return l.curl_profile == glm::vec3(0.0f, -1.0f, 2.0f); }},
       {"base_colour", "'#123456'", [](L l) { return l.base_colour == 0xff563412u; }},
       {"tip_colour", "'#aBcDeF'", [](L l) { return l.tip_colour == 0xffefcdabu; }},
       {"colour_variation", "0.3", [](L l) { return Near(l.colour_variation.value, 0.3f); }},
@@ -360,6 +371,7 @@ TEST_F(FurSetupTest, KeyListNamesEveryKey) {
   expect(Schema<Mask::Box>());
   expect(Schema<Mask::Range>());
   expect(Schema<Mask::AwayFrom>());
+  expect(Schema<FlowMapSetup>());
   expect(Schema<CombVector>());
   expect(Schema<LayerLook>());
   EXPECT_NE(text.find("default 0.03"), std::string::npos);
