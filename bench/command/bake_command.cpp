@@ -139,6 +139,28 @@ void AddLayers(const BakeReport& report, ReportTree& tree) {
   tree.Add(InJson("fill"), Fill(strands, chunks));
 }
 
+// Cost against error of chains that are left out.
+void AddChains(const BakeReport& report, ReportTree& tree) {
+  const auto is_cut = [](const LayerDensity& layer) {
+    return layer.chains.simulated < layer.chains.all;
+  };
+  if (!std::ranges::any_of(report.densities, is_cut)) return;
+  tree.BlankLine();
+  tree.Say(
+      "Chains at mesh vertices, those simulated, those of the chain_mesh; from the vertices of the "
+      "others to where the chains that they follow put them, mean and 95 %:");
+  ReportTable& table = tree.AddTable("simulated_chains", {{"layer"},
+                                                          {"chains"},
+                                                          {"simulated"},
+                                                          {"of_chain_mesh"},
+                                                          {"apart_mean_mm", "mm", 2, "mean"},
+                                                          {"apart_p95_mm", "mm", 2, "95 %"}});
+  for (const LayerDensity& layer : report.densities)
+    if (const LayerChains& chains = layer.chains; is_cut(layer))
+      table.Add({layer.layer, chains.all, chains.simulated, chains.of_mesh, 1000.0 * chains.mean_m,
+                 1000.0 * chains.p95_m});
+}
+
 void AddStats(const ScatterStats& stats, ReportTree& tree) {
   tree.BlankLine();
   tree.Say(
@@ -180,6 +202,7 @@ ReportTree MakeTree(const BakeReport& report) {
   tree.AddTexts("notes", report.notes, "note");
   tree.Add(InJson("unit_scale"), report.groom.unit_scale);
   AddLayers(report, tree);
+  AddChains(report, tree);
   if (!report.stats.layers.empty()) AddStats(report.stats, tree);
   tree.BlankLine();
   tree.Add({"import_ms", "ms", 0, "import"}, report.import_ms);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/character/mesh_repair.hpp"
 #include "core/character/pose.hpp"
@@ -10,8 +11,10 @@
 #include "core/float_rules.hpp"
 #include "core/format.hpp"
 #include "core/groom/chunk_builder.hpp"
+#include "core/groom/patch_index.hpp"
 #include "core/groom/shell_skin.hpp"
 #include "core/groom/surface_colour.hpp"
+#include "core/layer_block.hpp"
 
 namespace pelt {
 namespace {
@@ -44,10 +47,73 @@ std::vector<ScatterPoint> PlaceStrands(const Character& character, const RestGeo
   return ScatterLayer(character, rest, setup, layer, growth, density);
 }
 
+// 1 of each vertex of the mesh that is nearest to one of the chain_mesh's, and of its seam duplicates. Empty without a
+// chain_mesh.
+std::vector<uint8_t> FindChainVertices(const RestGeometry& rest, const FurSetup& setup,
+                                       float unit_scale, std::span<const uint32_t> duplicates) {
+  if (!setup.chain_mesh) return {};
+  glm::vec3 low(std::numeric_limits<float>::max()), high = -low;
+  for (const glm::vec3& p : rest.position) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+  std::vector<uint8_t> found(rest.position.size(), 0);
+  float farthest2 = 0.0f;
+  for (const glm::vec3& p : ComputeRestGeometry(*setup.chain_mesh, unit_scale).position) {
+    const auto away2 = [&](const glm::vec3& at) { return glm::dot(at - p, at - p); };
+    const auto nearest = std::ranges::min_element(rest.position, {}, away2);
+    farthest2 = std::max(farthest2, away2(*nearest));
+    found[duplicates[size_t(nearest - rest.position.begin())]] = 1;
+  }
+  constexpr float kMostOff = 0.1f;  // of the surface's extent
+  const glm::vec3 extent = high - low;
+  if (!(farthest2 <= kMostOff * kMostOff * glm::dot(extent, extent)))
+    throw Error(
+        Format("{}: key 'chain_mesh': lies up to {:.3g} m from the surface; it is to be the "
+               "same character in the same units",
+               setup.path, std::sqrt(farthest2)));
+  for (size_t v = 0; v < found.size(); ++v) found[v] = found[duplicates[v]];
+  return found;
+}
+
+// The least whose chains are all that `first` names, which go first.
+float LeastShare(std::span<const VertexPatch> patches, std::span<const uint8_t> first) {
+  uint32_t level = kChainLevels - 1;
+  for (const VertexPatch& patch : patches) {
+    const auto wanted = std::ranges::count_if(patch.vertices, [&](uint32_t v) { return first[v]; });
+    while (level > 0 && CountChains(uint32_t(patch.vertices.size()), level) < uint32_t(wanted))
+      --level;
+  }
+  return 1.0f / float(1u << level);
+}
+
+LayerChains MeasureChains(const Groom& groom, const GroomLayer& layer,
+                          std::span<const VertexPatch> patches, std::span<const uint8_t> first,
+                          float metres_per_mesh_unit) {
+  LayerChains chains;
+  std::vector<double> apart;
+  for (uint32_t p = 0; p < layer.patch_count; ++p) {
+    const MeshBlock& mesh = groom.mesh[layer.first_patch + p];
+    const uint32_t live = CountChains(mesh.vertex_count, LeastChainLevel(layer.params));
+    chains.all += mesh.vertex_count;
+    chains.simulated += live;
+    for (const uint32_t v : patches[p].vertices) chains.of_mesh += !first.empty() && first[v];
+    if (live == mesh.vertex_count) continue;
+    for (const double distance : MeasureFollowing(ListChainPlaces(mesh), live))
+      apart.push_back(distance * double(metres_per_mesh_unit));
+  }
+  if (apart.empty()) return chains;
+  std::ranges::sort(apart);
+  for (const double distance : apart) chains.mean_m += distance / double(apart.size());
+  chains.p95_m = apart[(apart.size() * 95 + 99) / 100 - 1];
+  return chains;
+}
+
 void BakeLayer(const Character& character, const RestGeometry& rest, const FurSetup& setup,
                const LayerSetup& layer, std::span<const uint32_t> duplicates,
-               float metres_per_mesh_unit, const std::shared_ptr<const SurfaceColour>& surface,
-               Groom& groom, ScatterStats* stats, std::vector<LayerDensity>* densities) {
+               std::span<const uint8_t> chain_vertices, float metres_per_mesh_unit,
+               const std::shared_ptr<const SurfaceColour>& surface, Groom& groom,
+               ScatterStats* stats, std::vector<LayerDensity>* densities) {
   // A setup need not come from a file: ReadFurSetup has said as much, with the line.
   if (const std::string bad = FindBadParam(layer.params); !bad.empty())
     throw Error(Format("{}: layer '{}': {}", setup.path, layer.name, bad));
@@ -70,11 +136,20 @@ void BakeLayer(const Character& character, const RestGeometry& rest, const FurSe
                               shells ? shells->corners() : strands);
   const std::vector<PatchStrand> placed = ListPatchStrands(character.mesh, points);
   const std::vector<ChunkPart> chunks = CutChunks(placed);
-  const std::vector<VertexPatch> patches = PackVertices(character.mesh, placed, chunks);
+  const bool chained = layer.params.chain == ChainKind::kVertex && !shells;
+  const auto first = chained ? chain_vertices : std::span<const uint8_t>();
+  const std::vector<VertexPatch> patches = PackVertices(character.mesh, placed, chunks, first);
   AppendLayer({character.mesh, layer, strands, vertices, metres_per_mesh_unit,
                shells ? &*shells : nullptr, fin_edges},
               chunks, patches, groom);
-  if (densities) densities->push_back({layer.name, density, groom.layers.back().length_max});
+  GroomLayer& made = groom.layers.back();
+  if (!first.empty() && made.params.chain_share == 1.0f)
+    made.params.chain_share = LeastShare(patches, first);
+  if (densities) {
+    densities->push_back({layer.name, density, made.length_max});
+    if (chained)
+      densities->back().chains = MeasureChains(groom, made, patches, first, metres_per_mesh_unit);
+  }
   if (stats) {
     stats->layers.push_back(
         MeasureLayerScatter(character, rest, layer, growth, points, chunks, patches));
@@ -165,13 +240,15 @@ Groom BakeGroom(const Character& character, const RestGeometry& rest, const FurS
   groom.joint_names = character.skeleton.name;
   const float metres_per_mesh_unit = MeasureMetresPerMeshUnit(character.mesh, rest, unit_scale);
   const std::vector<uint32_t> duplicates = FindSeamDuplicates(character.mesh);
+  const std::vector<uint8_t> chain_vertices =
+      FindChainVertices(rest, setup, unit_scale, duplicates);
   const auto surface = DecodeImages(character, setup, notes);
   if (notes) NoteUvScale(character, rest, setup, *notes);
   const float count = float(setup.layers.size());
   for (size_t i = 0; i < setup.layers.size(); ++i) {
     if (progress && *progress) (*progress)(setup.layers[i].name, float(i) / count);
-    BakeLayer(character, rest, setup, setup.layers[i], duplicates, metres_per_mesh_unit, surface,
-              groom, stats, densities);
+    BakeLayer(character, rest, setup, setup.layers[i], duplicates, chain_vertices,
+              metres_per_mesh_unit, surface, groom, stats, densities);
   }
   if (progress && *progress) (*progress)(setup.layers.back().name, 1.0f);
   return groom;

@@ -1,6 +1,8 @@
 #include "core/groom/chain_order.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <tuple>
@@ -94,6 +96,26 @@ ChainParentBlock FindChainParents(std::span<const ChainPlace> places) {
     }
   }
   return parents;
+}
+
+std::vector<double> MeasureFollowing(std::span<const ChainPlace> places, uint32_t simulated) {
+  const ChainParentBlock parents = FindChainParents(places);
+  std::vector<std::array<double, 3>> found;  // of each place; parents come first
+  std::vector<double> apart;
+  for (uint32_t lane = 0; lane < places.size(); ++lane) {
+    const ChainPlace& own = places[lane];
+    std::array<double, 3>& at = found.emplace_back();
+    for (size_t k = 0; k < 3; ++k) at[k] = double(own.position[k]);
+    if (lane < simulated) continue;
+    std::array<double, 3> put{};
+    for (uint32_t parent = 0; parent < 3; ++parent)
+      for (size_t k = 0; k < 3; ++k)
+        put[k] += double(parents.share[parent][lane]) *
+                  found[parents.lanes[lane] >> 8 * parent & 0xffu][k];
+    apart.push_back(std::sqrt(Squared(put[0] - at[0], put[1] - at[1], put[2] - at[2])));
+    at = put;
+  }
+  return apart;
 }
 
 }  // namespace pelt

@@ -29,4 +29,8 @@ std::vector<uint32_t> FindChainLevels(std::span<const ChainPlace> places);
 // squares, took 2 % off the error that thinning adds.)
 ChainParentBlock FindChainParents(std::span<const ChainPlace> places);
 
+// Of each place behind the first `simulated`, how far it is from where those that it follows put it, m: as far as
+// the blend of their motion may be off.
+std::vector<double> MeasureFollowing(std::span<const ChainPlace> places, uint32_t simulated);
+
 }  // namespace pelt

@@ -86,6 +86,12 @@ VertexChains::VertexChains(const Mesh& mesh, const RestGeometry& rest,
     chains_[i].rest =  // Strands above and below may cancel.
         MakeEqualSegments(mean, length, kChainPoints, glm::dvec3(0.0, 0.0, 1.0));
     chains_[i].length = float(length);
+    // Strands take what a chain does by their own length (kernels/interpolate.hpp).
+    if (const double segment = double(maker.layer().segment_length); segment > 0.0) {
+      const double own = segment * double(kChainPoints - 1);
+      for (uint32_t k = 0; k + 1 < kChainPoints; ++k) chains_[i].rest.offset[k] *= own / length;
+      chains_[i].length = float(own);
+    }
     chains_[i].strength = float(std::min(sum.strength / sum.weight, 1.0));
     for (size_t k = 0; k < kStrandAttributes.size(); ++k)
       if (const auto trait = kStrandAttributes[k].trait)
@@ -345,11 +351,11 @@ void FillFinEdges(const LayerBake& bake, const ChunkPart& chunk, FinEdgeBlock& b
 float FindReach(const LayerBake& bake, std::span<const VertexPatch> patches) {
   float reach = 0.0f;
   for (const GroomedStrand& strand : bake.strands) reach = std::max(reach, strand.length);
-  if (!bake.shells) return reach;
-  // Groom and force, each as long as the fur (kernels/shell_force.hpp), and rounding.
+  if (!bake.shells && !(bake.layer.segment_length > 0.0f)) return reach;
   for (const VertexPatch& patch : patches)
     for (const uint32_t v : patch.vertices) reach = std::max(reach, bake.vertices[v].length);
-  return 2.001f * reach;
+  // Groom and force of shells, each as long as the fur (kernels/shell_force.hpp), and rounding.
+  return bake.shells ? 2.001f * reach : reach;
 }
 
 // Bind-space boxes of the vertices that each joint moves.

@@ -23,7 +23,7 @@ namespace pelt {
 
 struct VertexChain {
   RestShape rest;         // 4 points, equal segments, in the vertex's own frame
-  float length = 0.0f;    // m
+  float length = 0.0f;    // m; the layer's segment_length instead of the strands', if it has one
   float strength = 0.0f;  // 0..1
   StrandTraits traits;
   glm::dvec3 down{0.0};  // of the rest pose, in the vertex's own frame

@@ -50,6 +50,10 @@ void CheckLayer(const SetupReader& reader, const toml::table& table, const toml:
     FailLayer(reader, table, defaults, "direction_vector", "comb_joint says the direction");
   if (layer.flow_map && layer.flow_map->blue == FlowBlue::kLength && layer.length.map.map)
     FailLayer(reader, table, defaults, "length", "its map and flow_map's blue both say it");
+  if (layer.segment_length > 0.0f &&
+      (params.chain != ChainKind::kVertex || params.output == Output::kShells))
+    FailLayer(reader, table, defaults, "segment_length",
+              "of chains at mesh vertices alone: chain = \"vertex\", and no shells");
   const auto check_map = [&](const Attribute& attribute, std::string_view key) {
     if (attribute.range && attribute.value > attribute.range->y && !attribute.map.map) {
       FailLayer(reader, table, defaults, key, "its value lies above its range");
@@ -271,7 +275,15 @@ FurSetup ReadFurSetup(std::string_view text, const std::string& path,
                      "another layer has this name");
     }
   }
-  setup.files_read = reader.MapPaths();
+  setup.files_read = reader.FilesRead();
+  const auto has_chains = [](const LayerSetup& layer) {
+    return layer.params.chain == ChainKind::kVertex && layer.params.output != Output::kShells;
+  };
+  if (setup.chain_mesh && !std::ranges::any_of(setup.layers, has_chains)) {
+    reader.SetOwner("");
+    reader.FailKey(reader.LineOf(*root.get("chain_mesh")), "chain_mesh",
+                   "no layer has chains at mesh vertices: chain = \"vertex\", and no shells");
+  }
   return setup;
 }
 

@@ -140,7 +140,8 @@ struct LayerSetup {
   std::optional<FlowMapSetup> flow_map;
   glm::vec3 direction_range{0.0f};  // added to the unit direction, each times a number in [-1, 1]
   glm::vec3 curl_profile{1.0f, 0.0f, 0.0f};  // curl at a share t: times x + y t + z t^2
-  uint32_t clump_controls = 16;              // control strands per chunk (rounded up to 16)
+  float segment_length = 0.0f;   // of chains at vertices, m; 0: a third of their mean strand
+  uint32_t clump_controls = 16;  // control strands per chunk (rounded up to 16)
   // 0xAABBGGRR. Alpha 0: the setup says none, and the surface's own colour is taken, if it has one.
   uint32_t base_colour = 0x00303850, tip_colour = 0x0090a0c0;
   Attribute colour_variation;                  // random brightness, share
@@ -283,8 +284,11 @@ struct FurSetup {
   std::string clip;                   // to play; empty: the first
   bool clip_smoothing = true;         // of sampled motion (core/character/clips.hpp)
   std::optional<LightsSetup> lights;  // of the scene that the setup is seen in
+  // Coarser, in the same units and rest pose: of a patch's chains at mesh vertices those nearest its vertices go first
+  // (chain_order.hpp).
+  std::shared_ptr<const Character> chain_mesh;
   std::vector<LayerSetup> layers;
-  std::vector<std::string> files_read;  // besides the setup itself: its maps
+  std::vector<std::string> files_read;  // besides the setup itself: its maps, its chain_mesh
 };
 
 // Reads a setup from TOML text. `path` names it in messages; maps are found relative to

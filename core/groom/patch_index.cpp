@@ -5,7 +5,6 @@
 #include <span>
 
 #include "core/float_rules.hpp"
-#include "core/groom/chain_order.hpp"
 
 namespace pelt {
 namespace {
@@ -27,15 +26,19 @@ PatchBlock DescribePatch(const MeshBlock& mesh, std::span<const double> live_fro
   return patch;
 }
 
-ChainParentBlock DescribeChains(const MeshBlock& mesh) {
+}  // namespace
+
+std::vector<ChainPlace> ListChainPlaces(const MeshBlock& mesh) {
   std::vector<ChainPlace> places(mesh.vertex_count);
   for (uint32_t v = 0; v < mesh.vertex_count; ++v)
     for (int k = 0; k < 3; ++k) {
       places[v].position[k] = mesh.position[k][v];
       places[v].normal[k] = mesh.normal[k][v];
     }
-  return FindChainParents(places);
+  return places;
 }
+
+namespace {
 
 PatchListBlock ListPatches(const StrandBlock& strands, const HaloBlock& halo) {
   std::set<uint32_t> used;
@@ -79,7 +82,7 @@ PatchIndex IndexPatches(const Groom& groom, const GroomLayer& layer) {
     const MeshBlock& mesh = groom.mesh[layer.first_patch + p];
     index.patches.push_back(DescribePatch(
         mesh, std::span(live_from).subspan(size_t(p) * kVerticesPerChunk, kVerticesPerChunk)));
-    index.parents.push_back(DescribeChains(mesh));
+    index.parents.push_back(FindChainParents(ListChainPlaces(mesh)));
   }
   return index;
 }

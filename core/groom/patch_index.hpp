@@ -4,6 +4,7 @@
 #include <bitset>
 #include <vector>
 
+#include "core/groom/chain_order.hpp"
 #include "core/groom/groom.hpp"
 
 namespace pelt {
@@ -16,6 +17,9 @@ JointSet FindJoints(const MeshBlock&, uint32_t lane);
 // Above which share of a layer's strands a kernel uses strand `place` of a chunk of `count`: lanes come
 // in groups, and shares are products that are rounded.
 double LiveFrom(uint32_t place, uint32_t count);
+
+// Of the patch's vertices, in bind space.
+std::vector<ChainPlace> ListChainPlaces(const MeshBlock&);
 
 struct PatchIndex {
   std::vector<PatchBlock> patches;        // of the layer

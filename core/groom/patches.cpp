@@ -209,7 +209,8 @@ struct UsedVertex {
 // Orders the vertices of a patch.
 class PatchBuilder {
  public:
-  explicit PatchBuilder(const Mesh& mesh) : mesh_(mesh) {}
+  // `first` as PackVertices has it.
+  PatchBuilder(const Mesh& mesh, std::span<const uint8_t> first) : mesh_(mesh), first_(first) {}
 
   // False when the weight rows do not suffice.
   bool Build(std::span<const UsedVertex> part, VertexPatch& patch) {
@@ -249,7 +250,8 @@ class PatchBuilder {
     std::vector<ChainPlace> places;
     for (const UsedVertex& used : part) {
       const double from = used.live_from + 1e-5;  // LiveFrom is a little below
-      const uint32_t use = uint32_t(from >= 0.125) + (from >= 0.25) + (from >= 0.5);
+      uint32_t use = uint32_t(from >= 0.125) + (from >= 0.25) + (from >= 0.5);
+      if (!first_.empty()) use = first_[used.vertex] ? 0 : use + 1;
       const glm::vec3 p = mesh_.position[used.vertex], n = mesh_.normal[used.vertex];
       places.push_back({{p.x, p.y, p.z}, {n.x, n.y, n.z}, use});
     }
@@ -312,8 +314,9 @@ class PatchBuilder {
     }
   }
 
-  static constexpr uint32_t kUses = 4, kTaken = kChainLevels * kUses;
+  static constexpr uint32_t kUses = 5, kTaken = kChainLevels * kUses;
   const Mesh& mesh_;
+  std::span<const uint8_t> first_;
   std::vector<PatchVertex> vertices_;
   std::vector<uint8_t> patch_joint_;
 };
@@ -353,11 +356,12 @@ std::vector<ChunkPart> CutChunks(std::span<const PatchStrand> strands, const Chu
 }
 
 std::vector<VertexPatch> PackVertices(const Mesh& mesh, std::span<const PatchStrand> strands,
-                                      std::span<const ChunkPart> chunks) {
+                                      std::span<const ChunkPart> chunks,
+                                      std::span<const uint8_t> first) {
   const std::vector<UsedVertex> used = ListUsed(mesh, strands, chunks);
   const size_t parts = (used.size() + kVerticesPerChunk - 1) / kVerticesPerChunk;
   const size_t each = RoundUpToLaneGroups(uint32_t((used.size() + parts - 1) / parts));
-  PatchBuilder builder(mesh);
+  PatchBuilder builder(mesh, first);
   std::vector<VertexPatch> patches;
   for (std::span<const UsedVertex> rest = used; !rest.empty();) {
     size_t count = std::min(each, rest.size());

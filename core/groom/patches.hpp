@@ -58,8 +58,10 @@ struct ChunkLimits {
 std::vector<ChunkPart> CutChunks(std::span<const PatchStrand> strands,
                                  const ChunkLimits& limits = {});
 
-// Every vertex that a chunk uses is in exactly one patch.
+// Every vertex that a chunk uses is in exactly one patch. `first`: 1 of those whose chains go first in their patch;
+// empty: none.
 std::vector<VertexPatch> PackVertices(const Mesh&, std::span<const PatchStrand> strands,
-                                      std::span<const ChunkPart> chunks);
+                                      std::span<const ChunkPart> chunks,
+                                      std::span<const uint8_t> first = {});
 
 }  // namespace pelt

@@ -53,6 +53,7 @@ requires std::is_enum_v<Enum> std::string Show(const KeyInfo& info, Enum value) 
 }
 inline std::string Show(const KeyInfo&, const MapChannel&) { return "none"; }
 inline std::string Show(const KeyInfo&, const std::shared_ptr<const ControlMap>&) { return "none"; }
+inline std::string Show(const KeyInfo&, const std::shared_ptr<const Character>&) { return "none"; }
 inline std::string Show(const KeyInfo&, const Mask&) { return "everywhere"; }
 inline std::string Show(const KeyInfo&, const LayerLook&) { return "as below"; }
 inline std::string Show(const KeyInfo&, const LightsSetup::Sun&) { return "dark"; }

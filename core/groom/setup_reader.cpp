@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/character/gltf_import.hpp"
 #include "core/error.hpp"
 #include "core/file_bytes.hpp"
 #include "core/float_rules.hpp"
@@ -253,6 +254,20 @@ void SetupReader::Read(const KeyInfo& info, const toml::node& node,
     }
   }
   value = kept;
+}
+
+void SetupReader::Read(const KeyInfo& info, const toml::node& node,
+                       std::shared_ptr<const Character>& value) {
+  std::string name;
+  Read(info, node, name);
+  const std::string path = InFolder(map_directory_, name);
+  try {
+    value = std::make_shared<const Character>(ImportGltfFile(path));
+  } catch (const Error& error) {
+    FailKey(LineOf(node), info.key, error.what());
+  }
+  mesh_files_ = value->files_read;
+  mesh_files_.push_back(path);
 }
 
 void SetupReader::ReadColour(const KeyInfo& info, const toml::node& node, uint32_t& value) {

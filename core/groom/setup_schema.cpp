@@ -106,6 +106,9 @@ std::span<const KeyEntry<FurSetup>> Schema() {
       Plain<&FurSetup::clip_smoothing>(
           "clip_smoothing", "true or false",
           "motion sampled in more than 10 linear keys a second goes smoothly through them"),
+      Plain<&FurSetup::chain_mesh>("chain_mesh", "path",
+                                   "coarser glTF of the same character: chains stand at its "
+                                   "vertices' nearest (chain_share)"),
       Plain<&FurSetup::lights>("lights", "table", "what light there is, for lit layers"),
       {{"defaults", "table", "", 0, 0, "layer keys that hold for every layer that lacks them"},
        nullptr,
@@ -179,6 +182,8 @@ std::span<const KeyEntry<LayerSetup>> Schema() {
     // How it moves.
     AddKeys(keys, KeyGroup::kMotion,
             {
+                Number<&L::segment_length>("segment_length", "m", 0, 3,
+                                           "vertex: of its chains; 0: a third of their strands"),
                 Count<&L::clump_controls>("clump_controls", 0, 64,
                                           "control strands per chunk, rounded up to 16"),
                 Plain<&L::hardness_profile>("hardness_profile", "[root, .., tip]",

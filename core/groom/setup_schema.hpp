@@ -113,9 +113,9 @@ class SetupReader {
  public:
   SetupReader(std::string path, std::string map_directory)
       : path_(std::move(path)), map_directory_(std::move(map_directory)) {}
-  // Of the maps that were read.
-  std::vector<std::string> MapPaths() const {
-    std::vector<std::string> paths;
+  // Of the maps that were read, and of the chain_mesh.
+  std::vector<std::string> FilesRead() const {
+    std::vector<std::string> paths = mesh_files_;
     for (const auto& [path, map] : maps_) paths.push_back(path);
     return paths;
   }
@@ -142,6 +142,7 @@ class SetupReader {
   void Read(const KeyInfo&, const toml::node&, Attribute&);
   void Read(const KeyInfo&, const toml::node&, MapChannel&);
   void Read(const KeyInfo&, const toml::node&, std::shared_ptr<const ControlMap>&);
+  void Read(const KeyInfo&, const toml::node&, std::shared_ptr<const Character>&);
   void ReadColour(const KeyInfo&, const toml::node&, uint32_t&);  // "#rrggbb" to 0xffBBGGRR
   void ReadColour(const KeyInfo&, const toml::node&,
                   std::array<float, 3>&);  // "#rrggbb" to bytes / 255
@@ -237,6 +238,7 @@ class SetupReader {
 
   std::string path_, map_directory_, owner_, prefix_;
   std::map<std::string, std::shared_ptr<const ControlMap>> maps_;
+  std::vector<std::string> mesh_files_;
 };
 
 }  // namespace pelt

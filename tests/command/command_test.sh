@@ -124,6 +124,11 @@ check_output() {
   sed -n 's/^read back by: //p' flow.txt | tee line.txt >>flow.toml
   grep -qx 'flow_map = { map = "flow.png", blue = "length", longest = 0.03 }' line.txt || fail "the line: $(cat flow.txt)"
   "$pelt" bake --setup ./flow.toml --flow-map again.png --flow-side 64 | grep -q 'longest = 0.03 }' || fail "its flow map is not read"
+  # Chains stand where a coarser mesh has vertices: the mesh's, those simulated, and the mesh's of them.
+  cp "$source_dir/tests/fuzz/corpus/gltf/builtin.glb" coarse.glb
+  printf 'chain_mesh = "coarse.glb"\n[[layer]]\nname = "a"\ndensity = 20000\n' >coarse.toml
+  "$pelt" bake --setup ./coarse.toml >coarse.txt || fail "bake with a chain_mesh"
+  awk '$1 == "a" && $3 < $2 && $4 > 100 { found = 1 } END { exit !found }' coarse.txt || fail "no chains of it: $(cat coarse.txt)"
   "$pelt" bake --setup tiny --seed 9 --out c.groom >/dev/null
   cmp -s a.groom c.groom && fail "another seed gave the same groom"
   for switch in sleep unmoved sort wind cull digest; do

@@ -165,6 +165,9 @@ check_conflicts() {
   before=$(cksum <map.png)
   expect 2 --picture map.png -- run --setup ./mapped.toml --frames 1 --picture map.png
   expect 2 --out map.png -- bake --setup ./mapped.toml --out "$work/map.png"
+  cp "$source_dir/tests/fuzz/corpus/gltf/builtin.glb" coarse.glb
+  printf 'chain_mesh = "coarse.glb"\n[[layer]]\nname = "a"\n' >coarse.toml
+  expect 2 --out coarse.glb -- bake --setup ./coarse.toml --out "$work/coarse.glb"
   [ "$(cksum <map.png)" = "$before" ] || fail "a map was overwritten"
   # What the shell opened for standard output.
   "$pelt" bake --setup tiny --out same.txt >same.txt 2>err.txt

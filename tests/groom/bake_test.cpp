@@ -12,6 +12,7 @@
 #include "core/groom/groom_file.hpp"
 #include "core/groom/growth.hpp"
 #include "core/random.hpp"
+#include "tests/error_from.hpp"
 #include "tests/groom/groom_validator.hpp"
 #include "tests/groom/torus_character.hpp"
 
@@ -214,6 +215,85 @@ TEST(Bake, LayersDoNotInfluenceEachOther) {
   for (size_t p = 0; p < alone.mesh.size(); ++p)
     EXPECT_EQ(0, std::memcmp(&alone.mesh[p], &both.mesh[both.layers[1].first_patch + p],
                              sizeof(MeshBlock)));
+}
+
+TEST(Bake, ASegmentLengthIsThatOfTheChainsAlone) {
+  FurSetup setup = MakeTinySetup();
+  const Groom usual = BakeTiny(setup);
+  setup.layers[0].segment_length = 0.05f;
+  const Groom own = BakeTiny(setup);
+  for (uint32_t p = 0; p < own.layers[0].patch_count; ++p)
+    for (uint32_t v = 0; v < own.mesh[p].vertex_count; ++v) {
+      const RestBlock<4>&rest = own.vertex_rest[p], &was = usual.vertex_rest[p];
+      ASSERT_FLOAT_EQ(rest.segment_length[v], 0.05f);
+      for (int i = 0; i < 3; ++i)
+        for (int axis = 0; axis < 3; ++axis)
+          ASSERT_NEAR(rest.offset[i][axis][v],
+                      was.offset[i][axis][v] * 0.05f / was.segment_length[v], 1e-6f);
+    }
+  for (size_t c = 0; c < own.strand_rest4.size(); ++c)
+    EXPECT_EQ(0, std::memcmp(&own.strand_rest4[c], &usual.strand_rest4[c], sizeof(RestBlock<4>)));
+  EXPECT_FLOAT_EQ(own.layers[0].length_max, 0.15f);
+  EXPECT_EQ(own.layers[1].length_max, usual.layers[1].length_max);
+  EXPECT_EQ(FindGroomFault(own, "own"), "");
+}
+
+// Every other vertex of the torus along both of its circles is one of a coarser torus.
+TEST(Bake, ChainsOfACoarserMeshAreSimulatedFirst) {
+  FurSetup setup = MakeTinySetup();
+  setup.chain_mesh = std::make_shared<const Character>(MakeTorus({.around = 12, .across = 4}));
+  const Character torus = MakeTinyTorus();
+  std::vector<LayerDensity> densities;
+  const Groom groom =
+      BakeGroom(torus, ComputeRestGeometry(torus, 1.0f), setup, 1.0f, nullptr, nullptr, &densities);
+  ExpectValidGroom(groom);
+  const GroomLayer& coat = groom.layers[0];
+  const auto is_even = [](double turns, uint32_t steps) {
+    const auto step = std::lround(turns * steps);
+    EXPECT_NEAR(turns * steps, double(step), 1e-3);
+    return step % 2 == 0;
+  };
+  uint32_t level = kChainLevels - 1, all = 0, marked = 0;
+  for (uint32_t p = 0; p < coat.patch_count; ++p) {
+    const MeshBlock& mesh = groom.mesh[p];
+    std::vector<uint32_t> before = {0};  // of the lanes in front of each
+    for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
+      const double x = mesh.position[0][v], y = mesh.position[1][v], z = mesh.position[2][v];
+      const double turn = 2.0 * exact::kPi;
+      const bool of_ring = is_even(std::atan2(z, x) / turn, 24);
+      const bool of_tube = is_even(std::atan2(y, std::hypot(x, z) - 0.3) / turn, 8);
+      before.push_back(before.back() + (of_ring && of_tube));
+    }
+    const uint32_t count = before.back();
+    for (uint32_t l = 0; l < kChainLevels; ++l) {
+      const uint32_t kept = CountChains(mesh.vertex_count, l);
+      EXPECT_EQ(before[kept], std::min(kept, count)) << p << ", level " << l;
+    }
+    while (CountChains(mesh.vertex_count, level) < count) --level;
+    all += mesh.vertex_count;
+    marked += count;
+  }
+  EXPECT_GT(marked, 40u);
+  EXPECT_EQ(coat.params.chain_share, 1.0f / float(1u << level));
+  EXPECT_LT(coat.params.chain_share, 1.0f);
+  EXPECT_EQ(groom.layers[1].params.chain_share, 1.0f) << "it has a chain for each strand";
+  const LayerChains& chains = densities[0].chains;
+  EXPECT_EQ(chains.all, all);
+  EXPECT_EQ(chains.of_mesh, marked);
+  EXPECT_LT(chains.simulated, all);
+  EXPECT_GE(chains.simulated, marked);
+  EXPECT_GT(chains.mean_m, 0.0);
+  EXPECT_GE(chains.p95_m, chains.mean_m);
+  EXPECT_LT(chains.p95_m, 0.2);  // the torus is 0.2 m thick
+  EXPECT_EQ(densities[1].chains.all, 0u);
+
+  setup.layers[0].params.chain_share = 0.125f;  // of those that are asked for, as many as fit
+  EXPECT_EQ(BakeTiny(setup).layers[0].params.chain_share, 0.125f);
+  setup.chain_mesh =
+      std::make_shared<const Character>(MakeTorus({.around = 12, .across = 4, .scale = 3.0f}));
+  const std::string error = ErrorFrom([&] { BakeTiny(setup); });
+  EXPECT_EQ(error.rfind("tiny.toml: key 'chain_mesh': lies up to 0.8 m from the surface", 0), 0u)
+      << error;
 }
 
 TEST(Bake, TellsProgressAndStats) {

@@ -116,6 +116,20 @@ TEST(ChainOrder, ParentsLieAbout) {
   }
 }
 
+// On a line, the last place a quarter metre beyond the 16 that stay: by the inverse square of 1/4, 5/4 and 9/4.
+TEST(ChainOrder, SaysWhereFollowersArePut) {
+  std::vector<ChainPlace> places;
+  for (uint32_t i = 0; i < 17; ++i)
+    places.push_back({{i < 16 ? float(i) : 15.25f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}});
+  EXPECT_TRUE(MeasureFollowing(places, 17).empty());
+  const std::vector<double> apart = MeasureFollowing(places, 16);
+  ASSERT_EQ(apart.size(), 1u);
+  const double weights[] = {16.0, 16.0 / 25.0, 16.0 / 81.0};
+  const double put = (weights[0] * 15.0 + weights[1] * 14.0 + weights[2] * 13.0) /
+                     (weights[0] + weights[1] + weights[2]);
+  EXPECT_NEAR(apart[0], 15.25 - put, 1e-5);
+}
+
 // Two sides of a thing 1 mm thick: a vertex follows its own.
 TEST(ChainOrder, SidesOfAnEarAreNoNeighbours) {
   std::vector<ChainPlace> places = MakePlaces(8);

@@ -79,6 +79,7 @@ std::vector<KeyCase> ListKeyCases() {
        }},
       {"curl_profile", "[0, -1, 2]",
        [](L l) { return l.curl_profile == glm::vec3(0.0f, -1.0f, 2.0f); }},
+      {"segment_length", "0.25", [](L l) { return l.segment_length == 0.25f; }},
       {"base_colour", "'#123456'", [](L l) { return l.base_colour == 0xff563412u; }},
       {"tip_colour", "'#aBcDeF'", [](L l) { return l.tip_colour == 0xffefcdabu; }},
       {"colour_variation", "0.3", [](L l) { return Near(l.colour_variation.value, 0.3f); }},
@@ -245,6 +246,21 @@ TEST_F(FurSetupTest, TopOfTheFile) {
   EXPECT_EQ(setup.clip, "Walk");
   ASSERT_EQ(setup.layers.size(), 2u);
   EXPECT_FALSE(Read("[[layer]]\nname='a'").unit_scale);
+}
+
+TEST_F(FurSetupTest, AChainMeshIsReadWithTheSetup) {
+  const std::string path = SourceFolder() + "/tests/fuzz/corpus/gltf/builtin.glb";
+  const std::string line = "chain_mesh = '" + path + "'\n[[layer]]\nname = 'a'\n";
+  const FurSetup setup = Read(line);
+  ASSERT_TRUE(setup.chain_mesh);
+  EXPECT_GT(setup.chain_mesh->mesh.position.size(), 100u);
+  EXPECT_EQ(setup.files_read, std::vector<std::string>{path});
+  EXPECT_EQ(ErrorOf("\n" + line + "chain = 'strand'"),
+            "fur.toml:2: key 'chain_mesh': no layer has chains at mesh vertices: chain = "
+            "\"vertex\", and no shells");
+  const std::string missing = ErrorOf("chain_mesh = 'none.glb'\n[[layer]]\nname = 'a'");
+  EXPECT_EQ(missing.rfind("fur.toml:1: key 'chain_mesh': ", 0), 0u) << missing;
+  EXPECT_NE(missing.find("none.glb"), std::string::npos) << missing;
 }
 
 TEST_F(FurSetupTest, LayersReplaceDefaultsKeyByKey) {
