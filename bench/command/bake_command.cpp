@@ -31,7 +31,12 @@ struct BakeReport {
   ScatterStats stats;
   std::vector<LayerDensity> densities = {};
   std::vector<uint32_t> max_strands = {};  // of each layer; 0: no limit
-  OutputPath out, height_field;
+  OutputPath out;
+  struct Grey {
+    const char *key, *what;
+    OutputPath out;
+  };
+  std::vector<Grey> greys = {};
   struct Flow {
     OutputPath out;
     uint32_t sheets = 0;
@@ -191,9 +196,9 @@ void AddMaps(const BakeReport& report, ReportTree& tree) {
         fmt::format("read back by: flow_map = {{ map = \"{}\", blue = \"length\", longest = {} }}",
                     flow.out.path(), flow.longest_m));
   }
-  if (!report.height_field.empty()) {
+  for (const BakeReport::Grey& grey : report.greys) {
     tree.EndLine();
-    tree.Add({"height_field", "", -1, "height field"}, report.height_field.path());
+    tree.Add({grey.key, "", -1, grey.what}, grey.out.path());
   }
 }
 
@@ -247,10 +252,19 @@ void WriteFlowMap(const BakeArgs& args, const Character& character, const RestGe
   WritePng("flow map", args.flow_map, map.rgba, map.side, map.side * map.sheets, 4);
 }
 
-void WriteHeightField(const BakeArgs& args, BakeReport& report) {
-  if (args.height_field.empty()) return;
-  WritePng("height field", args.height_field, MakeHairTile(), kHairTileSide, kHairTileSide, 1);
-  report.height_field = args.height_field;
+void WriteGreys(const BakeArgs& args, const Character& character, const RestGeometry& rest,
+                const FurSetup& setup, BakeReport& report) {
+  const auto write = [&](const char* key, const char* what, const OutputPath& out, uint32_t side,
+                         const auto& make) {
+    if (out.empty()) return;
+    WritePng(what, out, make(), side, side, 1);
+    report.greys.push_back({key, what, out});
+  };
+  write("height_field", "height field", args.height_field, kHairTileSide, MakeHairTile);
+  write("skin_map", "skin map", args.skin_map, args.flow_side,
+        [&] { return DrawSkinMap(character, setup, report.groom, args.flow_side, report.notes); });
+  write("stencil_map", "stencil map", args.stencil_map, args.flow_side,
+        [&] { return MakeStencil(character, rest, setup, args.flow_side); });
 }
 
 void WriteStrip(const BakeArgs& args) {
@@ -273,7 +287,9 @@ ExitCode Bake(const BakeArgs& args) {
     WriteStrip(args);
     return kDone;
   }
-  if (!args.flow_map.empty() || !args.height_field.empty()) RequirePictures();
+  for (const OutputPath* png :
+       {&args.flow_map, &args.height_field, &args.skin_map, &args.stencil_map})
+    if (!png->empty()) RequirePictures();
   BakeReport report;
   report.out = args.out;
   auto start = Clock::now();
@@ -304,7 +320,7 @@ ExitCode Bake(const BakeArgs& args) {
   report.digest = HashGroomBytes(bytes);
   if (!args.out.empty()) WriteOutput("groom", args.out, bytes);
   WriteFlowMap(args, character, rest, setup, report);
-  WriteHeightField(args, report);
+  WriteGreys(args, character, rest, setup, report);
   MakeTree(report).Print(args.json);
   return kDone;
 }

@@ -20,8 +20,11 @@ Subcommand SetUpBake(CLI::App& root) {
                              "PNG file for which way a layer's fur lies, over the UVs", ".png");
   app->add_option("--flow-layer", args.flow_layer, "With --flow-map: the first layer if not given")
       ->needs(flow);
-  app->add_option("--flow-side", args.flow_side, "In texels")
-      ->needs(flow)
+  AddOutputFile(*app, "--skin-map", args.skin_map,
+                "PNG file for how much light fur leaves on the skin, over the UVs", ".png");
+  AddOutputFile(*app, "--stencil-map", args.stencil_map,
+                "PNG file for where fur grows, over the UVs: the densest layer, 0 is bald", ".png");
+  app->add_option("--flow-side", args.flow_side, "Of flow, skin and stencil map, in texels")
       ->check(CLI::Range(16, 4096))
       ->capture_default_str();
   AddOutputFile(*app, "--height-field", args.height_field,
@@ -47,15 +50,18 @@ Subcommand SetUpBake(CLI::App& root) {
       "  pelt bake --character builtin --setup monster --out monster.groom\n"
       "  pelt bake --setup eyepet --stats\n"
       "  pelt bake --setup monster --flow-map flow.png --flow-layer body --height-field hairs.png\n"
+      "  pelt bake --setup monster --skin-map skin.png --stencil-map stencil.png --flow-side 256\n"
       "  pelt bake --strip-from photo.png --strips 8 --strip hair.png\n"
       "  pelt bake --setup tiny --json\n"
       "  pelt bake --keys");
-  return {app,
-          [app] {
-            RefuseAllBut(*app, "--keys", {});
-            RefuseAllBut(*app, "--strip", {"--strip-from", "--strips"});
-          },
-          [kept] { return Bake(*kept); }};
+  const auto complete = [app] {
+    RefuseAllBut(*app, "--keys", {});
+    RefuseAllBut(*app, "--strip", {"--strip-from", "--strips"});
+    const bool has_map =
+        app->count("--flow-map") || app->count("--skin-map") || app->count("--stencil-map");
+    RefuseUnless(*app, has_map, {"--flow-side"}, "--flow-map, --skin-map or --stencil-map");
+  };
+  return {app, complete, [kept] { return Bake(*kept); }};
 }
 
 Subcommand SetUpShow(CLI::App& root) {

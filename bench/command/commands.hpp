@@ -35,10 +35,10 @@ struct BakeArgs {
   std::string character = "builtin";
   std::string setup = "monster";
   OutputPath out;
-  OutputPath flow_map, height_field;  // PNG files
-  std::string flow_layer;             // empty: the setup's first
-  uint32_t flow_side = 512;           // texels
-  std::string strip_from;             // a photograph to cut into `strips` and no groom; empty: none
+  OutputPath flow_map, height_field, skin_map, stencil_map;  // PNG files
+  std::string flow_layer;                                    // empty: the setup's first
+  uint32_t flow_side = 512;  // texels, of all of them but the height field
+  std::string strip_from;    // a photograph to cut into `strips` and no groom; empty: none
   uint32_t strips = 1;
   OutputPath strip;  // PNG file
   uint64_t seed = 0;

@@ -12,6 +12,7 @@
 #include "bench/picture/png.hpp"
 #include "bench/picture/relief_coat.hpp"
 #include "bench/picture/renderers.hpp"
+#include "bench/picture/skin_map.hpp"
 #include "bench/report/budget.hpp"
 #include "bench/shading/named_lights.hpp"
 #include "core/error.hpp"
@@ -55,6 +56,12 @@ void RequirePictures() {}
 void WritePng(std::string_view what, const OutputPath& path, std::span<const uint8_t> pixels,
               uint32_t width, uint32_t height, uint32_t channels) {
   WriteOutput(what, path, EncodePng(pixels, width, height, channels));
+}
+
+std::vector<uint8_t> DrawSkinMap(const Character& character, const FurSetup& setup,
+                                 const Groom& groom, uint32_t side,
+                                 std::vector<std::string>& notes) {
+  return MakeSkinMap(character, setup, groom, side, notes);
 }
 
 PictureShots::PictureShots(const PictureArgs& args, Scenario& scenario, FurScene& scene,

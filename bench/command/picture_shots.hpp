@@ -30,6 +30,11 @@ void RequirePictures();
 void WritePng(std::string_view what, const OutputPath& path, std::span<const uint8_t> pixels,
               uint32_t width, uint32_t height, uint32_t channels);
 
+// MakeSkinMap of bench/picture/skin_map.hpp.
+std::vector<uint8_t> DrawSkinMap(const Character& character, const FurSetup& setup,
+                                 const Groom& groom, uint32_t side,
+                                 std::vector<std::string>& notes);
+
 struct PictureArgs {
   OutputPath last;       // the last of the pictures
   OutputPath folder;     // each as frame-00060.png

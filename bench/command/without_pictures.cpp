@@ -20,6 +20,12 @@ void WritePng(std::string_view, const OutputPath&, std::span<const uint8_t>, uin
   RequirePictures();
 }
 
+std::vector<uint8_t> DrawSkinMap(const Character&, const FurSetup&, const Groom&, uint32_t,
+                                 std::vector<std::string>&) {
+  RequirePictures();
+  return {};
+}
+
 PictureShots::PictureShots(const PictureArgs& args, Scenario& scenario, FurScene& scene, uint32_t,
                            VertexOrder order)
     : args_(args), scenario_(scenario), scene_(scene), order_(order) {

@@ -1,7 +1,9 @@
 #include "bench/picture/body.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <span>
 #include <vector>
@@ -243,6 +245,21 @@ float CoveredAt(const Body& body, const SurfacePoint& point) {
     if (const uint16_t sheet = mapped.growth->SheetOf(point.triangle); sheet != FlowMap::kNoSheet)
       hair += Interpolate(mapped.rate, mesh, point) * mapped.growth->At(sheet, uv);
   return 1.0f - std::exp(-hair);
+}
+
+void JoinSeams(Body& body) {
+  const std::vector<float> area = AreasRoundVertices(body.character->mesh, body.position);
+  const auto place = [&](size_t v) {
+    const glm::vec3& p = body.position[v];
+    return std::array{p.x, p.y, p.z};
+  };
+  std::map<std::array<float, 3>, float> whole;
+  for (size_t v = 0; v < area.size(); ++v) whole[place(v)] += area[v];
+  for (size_t v = 0; v < area.size(); ++v) {
+    const float own = area[v] / std::max(whole[place(v)], 1e-12f);
+    body.covered[v] = 1.0f - std::pow(1.0f - body.covered[v], own);
+    if (!body.unmapped.empty()) body.unmapped[v] *= own;
+  }
 }
 
 float DepthFloor(float covered, float floor) { return glm::mix(1.0f, floor, covered); }

@@ -72,6 +72,10 @@ Body PoseBody(const Scenario& scenario, const FurScene& scene, uint32_t actor,
               std::shared_ptr<const ReliefCoat> relief = nullptr,
               std::span<const SharedGrowth> growth = {}, const SkinFurFinder* skin = nullptr);
 
+// A vertex of a UV seam counts all fur that grows round it, and only the skin of its own side: here that of all sides,
+// so that no seam is darker than what lies beside it.
+void JoinSeams(Body& body);
+
 // Share of the sun's light that reaches a place with this normal.
 using SunShare = std::function<float(const glm::vec3& position, const glm::vec3& normal)>;
 void DrawBody(const Body& body, const PictureLook& look, const SunShare& sun,

@@ -350,4 +350,35 @@ std::optional<float> PaintedFlow::Length(const SurfacePoint& at) const {
   return setup_->longest * sheet->Sample(Interpolate(mesh_.uv, mesh_, at), 2);
 }
 
+std::vector<uint8_t> MakeSkinTexels(const Mesh& mesh, uint32_t side, const std::string& place,
+                                    const std::function<uint8_t(const SurfacePoint&)>& value) {
+  CheckTexture(mesh, side, place);
+  std::vector<uint8_t> texels(size_t(side) * side, 255), filled(texels.size());
+  for (uint32_t t = 0; t < mesh.triangles.size(); ++t)
+    VisitTexels(mesh, side, place, t, [&](size_t at, const glm::dvec3& bary) {
+      texels[at] = std::min(texels[at], value({t, glm::vec3(bary)}));
+      filled[at] = 1;
+    });
+  FillFromNearest(side, 1, filled, texels.data());
+  return texels;
+}
+
+std::vector<uint8_t> MakeStencil(const Character& character, const RestGeometry& rest,
+                                 const FurSetup& setup, uint32_t side) {
+  std::shared_ptr<const SurfaceColour> surface;
+  std::vector<Growth> layers;
+  for (const LayerSetup& layer : setup.layers) {
+    if (!layer.params.enabled) continue;
+    if (!surface && GrowsByImages(character.mesh, layer))
+      surface = std::make_shared<const SurfaceColour>(character);
+    layers.emplace_back(character, rest, setup, layer, surface);
+  }
+  return MakeSkinTexels(character.mesh, side,
+                        setup.path + ": stencil: ", [&](const SurfacePoint& at) {
+                          float most = 0.0f;
+                          for (const Growth& layer : layers) most = std::max(most, layer.Share(at));
+                          return uint8_t(0.5f + 255.0f * most);
+                        });
+}
+
 }  // namespace pelt

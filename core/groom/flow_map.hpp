@@ -14,6 +14,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <glm/glm.hpp>
 #include <limits>
 #include <memory>
@@ -80,5 +81,15 @@ class PaintedFlow {
   std::vector<ControlMap> cut_;  // where there is more than one sheet
   std::vector<uint16_t> sheet_;  // likewise, of each triangle
 };
+
+// value(place) at each texel of the character's texture, side x side, rows from v = 0. Where the UVs give it to several
+// places the least of them, and where to none the nearest one's, so that no seam is seen. `place` is for messages.
+// Throws pelt::Error as MakeFlowMap, but knows no sheets.
+std::vector<uint8_t> MakeSkinTexels(const Mesh&, uint32_t side, const std::string& place,
+                                    const std::function<uint8_t(const SurfacePoint&)>& value);
+
+// Where fur grows at all, for an engine's shader: the largest share that any enabled layer has (GrowthMap::share).
+std::vector<uint8_t> MakeStencil(const Character&, const RestGeometry&, const FurSetup&,
+                                 uint32_t side);
 
 }  // namespace pelt

@@ -35,7 +35,7 @@ base_of() {
 extension_of() {
   case $1 in
     --out) [[ "$2" =~ ^(show|fit|calibrate)$ ]] && echo .toml || echo .out ;;
-    --picture | --animation | --steps | --flow-map | --height-field | --strip | --uv-template) echo .png ;;
+    --picture | --animation | --steps | --flow-map | --height-field | --skin-map | --stencil-map | --strip | --uv-template) echo .png ;;
     *) echo .out ;;
   esac
 }

@@ -38,7 +38,7 @@ hold bake bake --setup tiny --stats --out c.groom
 hold bake bake --setup tiny --flow-map flow.png --height-field hairs.png --flow-side 64
 cp "$source_dir/tests/fuzz/corpus/gltf/builtin.glb" coarse.glb
 printf 'chain_mesh = "coarse.glb"\n[[layer]]\nname = "a"\ndensity = 20000\n' >coarse.toml
-hold bake bake --setup ./coarse.toml
+hold bake bake --setup ./coarse.toml --skin-map skin.png --stencil-map stencil.png --flow-side 64
 hold show show scorpion
 hold run run --scene tiny --frames 2
 hold run run --scene tiny --frames 1 --executor local-store

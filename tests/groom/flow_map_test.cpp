@@ -337,6 +337,35 @@ TEST(FlowMap, RefusesAMapThatIsNotOfThisLayer) {
             std::string::npos);
 }
 
+TEST(SkinTexels, AStencilHasTheDensestLayerOfEachTexel) {
+  Plane plane(AsItIs);
+  LayerSetup bald = plane.layer, even = plane.layer, off = plane.layer;
+  bald.mask.bald = MakeMap([](float, float v) { return v < 0.5f ? 0.0f : 1.0f; });
+  even.density_map = MakeMap([](float, float) { return 0.5f; });
+  off.params.enabled = false;
+  plane.setup.layers = {bald, even, off};
+  const std::vector<uint8_t> map = MakeStencil(plane.character, plane.rest, plane.setup, kSide);
+  ASSERT_EQ(map.size(), size_t(kSide) * kSide);
+  for (uint32_t y = 1; y + 1 < kSide; ++y)
+    for (uint32_t x = 0; x < kSide; ++x) {
+      if (y + 1 == kSide / 2 || y == kSide / 2) continue;  // mixed
+      ASSERT_EQ(map[y * kSide + x], y < kSide / 2 ? 255 : 128) << x << ' ' << y;
+    }
+}
+
+// Half of it lies on the other half, whose triangles have the greater numbers, and half of the texture has none.
+TEST(SkinTexels, TakeTheLeastOfSeveralAndTheNearestOfNone) {
+  Plane plane([](glm::vec2 at) { return glm::vec2(std::abs(at.x - 0.5f), at.y); });
+  const std::vector<uint8_t> map = MakeSkinTexels(
+      plane.character.mesh, 16, "", [](const SurfacePoint& at) { return uint8_t(at.triangle); });
+  for (uint32_t y = 0; y < 16; ++y) {
+    const uint8_t* row = &map[y * 16];
+    for (uint32_t x = 0; x < 8; ++x) EXPECT_EQ(row[x] / 2, int(4 * (y / 4) + (7 - x) / 4));
+    EXPECT_EQ(row[8], row[7]);
+    EXPECT_EQ(row[15], row[0]);
+  }
+}
+
 // Each dot against every texel, over the edges too.
 TEST(HeightField, IsATileOfDotsThatRepeats) {
   constexpr uint32_t kTile = 48, kDots = 6;
