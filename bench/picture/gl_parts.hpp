@@ -124,8 +124,9 @@ class GlShells {
   GlShells(const GlApi& gl, const PictureScene& scene);
 
   bool Has(size_t layer) const { return layers_[layer].corners > 0; }
-  // By GlPrograms' shell, in use: from the skin up, over what is there.
-  void Draw(const GlProgram& program, size_t layer, std::span<const Shell> shells) const;
+  // By GlPrograms' shell, in use: from the skin up, over what is there; as instances, or with a draw for each.
+  void Draw(const GlProgram& program, size_t layer, std::span<const Shell> shells,
+            bool one_by_one) const;
   // By GlPrograms' shell_shadow, in use.
   void DrawShadow(const GlProgram& program, size_t layer) const;
 
@@ -136,6 +137,7 @@ class GlShells {
  private:
   struct Layer {
     GlMesh mesh;
+    GlBuffer shells;  // instances
     GlTexture texture;
     GLsizei corners;
     GlMesh fins;  // an instance each

@@ -95,8 +95,8 @@ struct GlRenderer::State {
   void SetScene(const PictureScene& scene, const PictureOptions& options, uint32_t samples) const;
   void SetLook(const PictureLook& lit_by) const;
   void DrawActor(const PictureScene& scene, uint32_t actor, const Uploaded& uploaded) const;
-  void DrawLayer(const PictureScene& scene, const std::vector<GlProgram>& lit, size_t layer,
-                 const Uploaded& uploaded) const;
+  void DrawLayer(const PictureScene& scene, const PictureOptions& options,
+                 const std::vector<GlProgram>& lit, size_t layer, const Uploaded& uploaded) const;
   void DrawScene(const PictureScene& scene, const PictureOptions& options,
                  const Uploaded& uploaded) const;
   // Draws all of it, and calls take() while a framebuffer of the picture's pixels is bound, its rows from the top.
@@ -178,8 +178,9 @@ void GlRenderer::State::DrawActor(const PictureScene& scene, uint32_t actor,
   uploaded.bodies.DrawEyes(use(GlPrograms::kEye), scene.bodies[actor].eyes);
 }
 
-void GlRenderer::State::DrawLayer(const PictureScene& scene, const std::vector<GlProgram>& lit,
-                                  size_t layer, const Uploaded& uploaded) const {
+void GlRenderer::State::DrawLayer(const PictureScene& scene, const PictureOptions& options,
+                                  const std::vector<GlProgram>& lit, size_t layer,
+                                  const Uploaded& uploaded) const {
   const uint32_t actor = scene.actors[layer];
   SetLook(scene.layer_looks[layer]);
   gl().Enable(GL_BLEND);
@@ -189,7 +190,7 @@ void GlRenderer::State::DrawLayer(const PictureScene& scene, const std::vector<G
     shell.Use();
     shell.Set("character", actor);
     shell.Set("lift", uploaded.shadows.Lift(actor));
-    uploaded.shells.Draw(shell, layer, scene.draws[layer].shells.shell);
+    uploaded.shells.Draw(shell, layer, scene.draws[layer].shells.shell, options.shells_one_by_one);
   }
   gl().DepthMask(GL_FALSE);
   if (uploaded.shells.HasFins(layer)) {
@@ -222,7 +223,7 @@ void GlRenderer::State::DrawScene(const PictureScene& scene, const PictureOption
   const std::vector<GlProgram>& lit =
       options.lighting_buffer ? programs.strand_buffered : programs.strand_light;
   for (size_t layer = 0; layer < uploaded.strands.layers(); ++layer) {
-    DrawLayer(scene, lit, layer, uploaded);
+    DrawLayer(scene, options, lit, layer, uploaded);
     if (layer + 1 == uploaded.strands.layers()) break;
     gl().ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     uploaded.strands.DrawStrips(programs.strand_depth, layer);

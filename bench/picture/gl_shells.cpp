@@ -109,6 +109,7 @@ GlShells::Layer GlShells::Upload(const LayerDraw& draw, const FurTexture& textur
   heights.reserve(shadows.size());
   for (const ShadowShell& shell : shadows) heights.push_back(shell.height);
   return {UploadMesh(gl_, std::as_bytes(std::span(corners)), kCornerFloats),
+          GlBuffer(gl_),
           UploadFur(gl_, texture),
           GLsizei(corners.size()),
           UploadMesh(gl_, std::as_bytes(std::span(fins)), kFinFloats, 1),
@@ -125,12 +126,22 @@ void GlShells::BindTextures(const GlProgram& program, const Layer& layer) const 
   program.Set("growth_scale", layer.growth_scale);
 }
 
-void GlShells::Draw(const GlProgram& program, size_t layer, std::span<const Shell> shells) const {
-  gl_.BindVertexArray(layers_[layer].mesh.array);
-  BindTextures(program, layers_[layer]);
-  for (const Shell& shell : shells) {
-    program.Set("shell", glm::vec4(shell.height, shell.shadow, shell.threshold, shell.fade));
-    gl_.DrawArrays(GL_TRIANGLES, 0, layers_[layer].corners);
+void GlShells::Draw(const GlProgram& program, size_t layer, std::span<const Shell> shells,
+                    bool one_by_one) const {
+  constexpr GLuint kShellAttribute = 7;  // of shell.vert
+  const Layer& drawn = layers_[layer];
+  gl_.BindVertexArray(drawn.mesh.array);
+  BindTextures(program, drawn);
+  gl_.BindBuffer(GL_ARRAY_BUFFER, drawn.shells);
+  gl_.BufferData(GL_ARRAY_BUFFER, GLsizeiptr(shells.size_bytes()), shells.data(), GL_STREAM_DRAW);
+  gl_.EnableVertexAttribArray(kShellAttribute);
+  gl_.VertexAttribDivisor(kShellAttribute, 1);
+  const size_t step = one_by_one ? 1 : shells.size();
+  for (size_t first = 0; first < shells.size(); first += step) {
+    // NOLINTNEXTLINE(performance-no-int-to-ptr): OpenGL's way to say an offset.
+    const void* from_start = reinterpret_cast<const void*>(first * sizeof(Shell));
+    gl_.VertexAttribPointer(kShellAttribute, 4, GL_FLOAT, GL_FALSE, sizeof(Shell), from_start);
+    gl_.DrawArraysInstanced(GL_TRIANGLES, 0, drawn.corners, GLsizei(step));
   }
   gl_.BindVertexArray(nothing_);
 }

@@ -18,8 +18,9 @@ namespace pelt {
 
 struct PictureOptions {
   uint32_t width_px = 1200, height_px = 900;
-  uint32_t samples = 0;          // a side of each pixel; 0: the renderer's default
-  bool lighting_buffer = false;  // OpenGL alone: hair lit by GlLighting
+  uint32_t samples = 0;            // a side of each pixel; 0: the renderer's default
+  bool lighting_buffer = false;    // OpenGL alone: hair lit by GlLighting
+  bool shells_one_by_one = false;  // OpenGL alone: a draw for each shell instead of an instance
 };
 
 class PictureRenderer {

@@ -12,13 +12,14 @@ layout(location = 3) in vec3 normal;
 layout(location = 4) in vec3 base_colour;  // linear
 layout(location = 5) in vec3 tip_colour;
 layout(location = 6) in vec4 place;  // on the texture, and the stencil (passes/stencil.glsl)
+layout(location = 7) in vec4 shell;  // of an instance: height, shadow, threshold, fade
 
-uniform vec4 shell;  // height, shadow, threshold, fade
 uniform int character;
 uniform float lift;  // out of its own shadow, m
 
 out vec3 shell_lit;
 out vec4 shell_place;
+flat out vec2 shell_cut;  // threshold, fade
 
 void main() {
   HairPoint point;
@@ -32,5 +33,6 @@ void main() {
   point.noise = 0.5;
   shell_lit = ShadeHair(light, look, point);
   shell_place = place;
+  shell_cut = shell.zw;
   gl_Position = world_to_clip * vec4(at, 1.0);
 }
