@@ -23,6 +23,33 @@ std::vector<std::string> LightNames() {
   return names;
 }
 
+// How relief is drawn.
+void AddRelief(CLI::App& app, PictureArgs& args) {
+  CLI::Option* relief = app.get_option("--relief");
+  app.add_flag("--relief-rim", args.relief_rim,
+               "Relief keeps its layers' fins, which are its outline; of shells with fins = true")
+      ->needs(relief);
+  app.add_option("--relief-steps", args.relief_steps,
+                 "Steps of relief along the hairs and across them: the least and the most, 2,16")
+      ->delimiter(',')
+      ->expected(2)
+      ->allow_extra_args(false)
+      ->check(InRange(1.0, 256.0))
+      ->needs(relief);
+  app.add_option(
+         "--relief-frames", args.relief_frames,
+         "Each picture is the mean of so many with jittered steps of relief; 0: one without")
+      ->check(CLI::Range(0, 256))
+      ->needs(relief);
+  app.add_option("--relief-wind", args.relief_wind_s,
+                 "How far gusts push the tips of relief for each m/s of wind, in m")
+      ->check(InRange(0.0, 1.0))
+      ->needs(relief);
+  app.add_flag("--relief-shows-steps", args.relief_shows_steps,
+               "Relief in false colours: blue no step, green half of the most, red all")
+      ->needs(relief);
+}
+
 }  // namespace
 
 void AddPictures(CLI::App& app, PictureArgs& args) {
@@ -57,6 +84,7 @@ void AddPictures(CLI::App& app, PictureArgs& args) {
   app.add_option("--relief", args.relief,
                  "Layers that the pictures show as relief on the skin instead of as hairs; 'all'")
       ->delimiter(',');
+  AddRelief(app, args);
   app.add_option("--light", args.light, DescribeLights())->check(OneOf(LightNames()));
 }
 
@@ -68,6 +96,9 @@ void CompletePictures(const CLI::App& app, const PictureArgs& args) {
   RefuseUnless(app, !args.folder.empty() || !args.animation.empty(), {"--picture-every"},
                "--pictures or --animation");
   RefuseUnless(app, args.renderer == "gl", {"--lighting-buffer"}, "--renderer gl");
+  if (args.relief_steps[0] > args.relief_steps[1])
+    throw UsageError(fmt::format("--relief-steps: the least, {}, is above the most, {}",
+                                 args.relief_steps[0], args.relief_steps[1]));
   RefuseBeside(app, "--time", {"--picture-every"});
   RefuseBeside(app, "--lights", {"--light"});
   // What is drawn lies relative to each character's own origin, and pictures know of one world.

@@ -49,6 +49,21 @@ std::vector<uint32_t> FramesToDraw(const PictureArgs& args, double dt_s, uint32_
   return found;
 }
 
+ReliefShow ShowRelief(const PictureArgs& args, uint32_t frame, const FrameInput& input) {
+  constexpr float kGustTile = 2.0f;  // m: 12 tiles of 48 hairs, 3.5 mm apart
+  ReliefShow show;
+  show.march.least = args.relief_steps[0];
+  show.march.most = args.relief_steps[1];
+  show.shows_steps = args.relief_shows_steps;
+  if (args.relief_frames > 0) show.frame = int(frame * args.relief_frames % 4096);
+  const glm::vec3 air = VecOf(input.wind.velocity);
+  show.march.wind = air * args.relief_wind_s;
+  // Textures lie in every direction: gusts go over all of them in one.
+  const double gone = std::fmod(double(glm::length(air) / kGustTile) * input.time_s, 5.0);
+  show.march.pan = {0.8f * float(gone), 0.6f * float(gone)};
+  return show;
+}
+
 }  // namespace
 
 void RequirePictures() {}
@@ -71,7 +86,7 @@ PictureShots::PictureShots(const PictureArgs& args, Scenario& scenario, FurScene
       scene_(scene),
       order_(order),
       frames_(FramesToDraw(args, scenario.dt_s, frames)) {
-  CheckRelief(scenario, args_.relief);
+  CheckRelief(scenario, args_.relief, args_.relief_rim);
   if (!frames_.empty()) {
     const auto start = std::chrono::steady_clock::now();
     renderer_ = OpenRenderer(args_.renderer).OrThrow();
@@ -94,10 +109,13 @@ bool PictureShots::Wants(uint32_t frame) const {
 }
 
 PictureScene PictureShots::Gather(uint32_t frame) {
-  // The frame's camera again, which depends on the frame's number alone.
-  const Camera camera = scenario_.PrepareFrame(frame, scene_).camera;
-  if (!maps_) maps_ = std::make_unique<PictureMaps>(scenario_, args_.relief);
+  // The frame's input again, which depends on the frame's number alone.
+  const FrameInput& input = scenario_.PrepareFrame(frame, scene_);
+  const Camera camera = input.camera;
+  const ReliefShow relief = ShowRelief(args_, frame, input);
+  if (!maps_) maps_ = std::make_unique<PictureMaps>(scenario_, args_.relief, args_.relief_rim);
   PictureScene shown = GatherPicture(scenario_, *maps_, scene_, camera, order_);
+  shown.relief = relief;
   for (const NamedLight& light : kNamedLights)
     if (light.name == args_.light)
       shown.ForEachLook([&](PictureLook& look) {
@@ -119,7 +137,12 @@ void PictureShots::Take(uint32_t frame) {
   const PictureScene shown = Gather(frame);
   std::vector<std::byte> png;
   try {
-    png = EncodePng(renderer_->Draw(shown, options), options.width_px, options.height_px, 3);
+    const std::vector<uint8_t> rgb =
+        args_.relief_frames > 0 ? DrawFrames(*renderer_, shown, options, args_.relief_frames)
+                                : renderer_->Draw(shown, options);
+    png = EncodePng(rgb, options.width_px, options.height_px, 3);
+    relief_steps_ += renderer_->ReliefSteps().steps;
+    relief_places_ += renderer_->ReliefSteps().places;
   } catch (const Error& error) {
     faults_.push_back(fmt::format("frame {}: {}", frame, error.what()));
     return;
@@ -173,6 +196,9 @@ void PictureShots::AddTo(ReportTree& tree) const {
               spread.median * 1e3);
   section.Add({.key = "draw_ms.worst", .unit = "ms", .decimals = 0, .heading = "worst"},
               spread.worst * 1e3);
+  if (relief_places_ > 0)
+    section.Add({.key = "relief_steps", .decimals = 2, .heading = "steps of relief"},
+                relief_steps_ / double(relief_places_));
 }
 
 }  // namespace pelt

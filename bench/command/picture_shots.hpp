@@ -44,9 +44,14 @@ struct PictureArgs {
   uint32_t every = 1;           // frames from one picture to the next, counted from the last frame
   std::vector<double> times_s;  // of the frames to draw instead
   std::string light;            // of kNamedLights; empty: the default
-  std::string renderer = "software";  // of RendererNames()
-  std::vector<std::string> relief;    // PictureMaps has it
-  bool lighting_buffer = false;       // PictureOptions has it
+  std::string renderer = "software";                // of RendererNames()
+  std::vector<std::string> relief;                  // PictureMaps has it
+  bool relief_rim = false;                          // likewise
+  std::vector<float> relief_steps = {4.0f, 16.0f};  // ReliefMarch has them
+  uint32_t relief_frames = 0;                       // of DrawFrames, in place of one without jitter
+  float relief_wind_s = 0.0f;                       // m that tips are pushed for each m/s
+  bool relief_shows_steps = false;
+  bool lighting_buffer = false;  // PictureOptions has it
 
   bool Any() const {
     return !last.empty() || !folder.empty() || !animation.empty() || !steps.empty();
@@ -93,6 +98,8 @@ class PictureShots {
   std::vector<uint8_t> steps_;
   std::vector<AnimationFrame> animation_;
   double open_seconds_ = 0.0, core_seconds_ = 0.0;
+  double relief_steps_ = 0.0;  // of all pictures
+  uint64_t relief_places_ = 0;
   std::vector<double> seconds_;  // that each took
   std::vector<std::string> written_, notes_, faults_;
 };

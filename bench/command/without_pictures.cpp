@@ -44,9 +44,11 @@ constexpr const char* kWithoutPictures = "Left out of this build: -DPELT_PICTURE
 }
 
 void AddPictures(CLI::App& app, PictureArgs&) {
-  for (const char* option : {"--picture", "--pictures", "--animation", "--steps", "--time",
-                             "--picture-every", "--picture-width", "--picture-height", "--renderer",
-                             "--lighting-buffer", "--relief", "--light"}) {
+  for (const char* option :
+       {"--picture", "--pictures", "--animation", "--steps", "--time", "--picture-every",
+        "--picture-width", "--picture-height", "--renderer", "--lighting-buffer", "--relief",
+        "--relief-rim", "--relief-steps", "--relief-frames", "--relief-wind",
+        "--relief-shows-steps", "--light"}) {
     const auto refuse = [](const CLI::results_t&) {
       RequirePictures();
       return false;

@@ -170,9 +170,16 @@ glm::vec3 UnlitColour(const glm::vec3& own) {
 
 class BodyPainter {
  public:
-  BodyPainter(const Body& body, const PictureLook& look, const SunShare& sun,
-              const Projection& projection)
-      : body_(body), look_(look), eye_(projection.eye()) {
+  BodyPainter(const Body& body, const PictureLook& look, std::span<const PictureLook> relief_looks,
+              const ReliefShow& show, const SunShare& sun, const Projection& projection,
+              ReliefCount& count)
+      : body_(body),
+        look_(look),
+        relief_looks_(relief_looks),
+        show_(show),
+        projection_(projection),
+        eye_(projection.eye()),
+        count_(count) {
     for (size_t v = 0; v < body.position.size(); ++v) {
       screen_.push_back(projection.Project(body.position[v]));
       sun_.push_back(sun(body.position[v], body.normal[v]));
@@ -217,12 +224,21 @@ class BodyPainter {
                                DepthFloor(covered, look_.depth_floor), at(sun_));
     if (unlit) skin = glm::mix(UnlitColour(body_.surface->At(point)), skin, covered);
     if (!body_.relief) return skin;
-    return body_.relief->Shade(body_, point, look_, eye_, at(sun_), skin);
+    ReliefShow show = show_;
+    if (show.frame >= 0) {
+      const glm::vec2 sample = glm::floor(glm::vec2(projection_.Project(at(body_.position))));
+      show.march.jitter = ReliefJitter(sample, float(show.frame));
+    }
+    return body_.relief->Shade(body_, point, relief_looks_, show, eye_, at(sun_), skin, count_);
   }
 
   const Body& body_;
   const PictureLook& look_;
+  std::span<const PictureLook> relief_looks_;
+  const ReliefShow& show_;
+  const Projection& projection_;
   glm::vec3 eye_;
+  ReliefCount& count_;
   std::vector<glm::vec3> screen_;
   std::vector<float> sun_;
 };
@@ -288,9 +304,10 @@ Body PoseBody(const Scenario& scenario, const FurScene& scene, uint32_t actor,
   return body;
 }
 
-void DrawBody(const Body& body, const PictureLook& look, const SunShare& sun,
-              const Projection& projection, Canvas& canvas) {
-  const BodyPainter painter(body, look, sun, projection);
+void DrawBody(const Body& body, const PictureLook& look, std::span<const PictureLook> relief_looks,
+              const ReliefShow& show, const SunShare& sun, const Projection& projection,
+              Canvas& canvas, ReliefCount& count) {
+  const BodyPainter painter(body, look, relief_looks, show, sun, projection, count);
   canvas.BeginShells();  // skin with holes is drawn as shell 0
   for (uint32_t t = 0; t < body.character->mesh.triangles.size(); ++t) painter.Draw(t, canvas);
   for (const Eye& eye : body.eyes) DrawEye(eye, look.light, look.hair, projection, canvas);

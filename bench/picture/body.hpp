@@ -75,10 +75,23 @@ Body PoseBody(const Scenario& scenario, const FurScene& scene, uint32_t actor,
 // A vertex of a UV seam counts all fur that grows round it, and only the skin of its own side: here that of all sides,
 // so that no seam is darker than what lies beside it.
 void JoinSeams(Body& body);
+// How relief is followed and shown.
+struct ReliefShow {
+  ReliefMarch march{4.0f, 16.0f, 0.0f, glm::vec3(0.0f), glm::vec2(0.0f)};
+  int frame = -1;            // of the jitter, by sample; below 0: none
+  bool shows_steps = false;  // in false colours
+};
+// Steps that relief was followed for, at so many places.
+struct ReliefCount {
+  double steps = 0.0;
+  uint64_t places = 0;
+};
 
 // Share of the sun's light that reaches a place with this normal.
 using SunShare = std::function<float(const glm::vec3& position, const glm::vec3& normal)>;
-void DrawBody(const Body& body, const PictureLook& look, const SunShare& sun,
-              const Projection& projection, Canvas& canvas);
+// `relief_looks`: what its layers of relief are lit by.
+void DrawBody(const Body& body, const PictureLook& look, std::span<const PictureLook> relief_looks,
+              const ReliefShow& show, const SunShare& sun, const Projection& projection,
+              Canvas& canvas, ReliefCount& count);
 
 }  // namespace pelt

@@ -41,22 +41,25 @@ GlRelief::Coat GlRelief::Upload(const Body& body) const {
   if (!body.relief) return {UploadMesh(gl_, {}, kReliefFloats), GlTexture(gl_), {}};
   std::vector<ReliefVertex> vertices;
   std::vector<Part> parts;
-  for (const ReliefCoat::Layer& layer : body.relief->layers())
-    for (uint32_t sheet = 0; sheet < layer.flow.size(); ++sheet) {
+  const std::vector<ReliefCoat::Layer>& layers = body.relief->layers();
+  for (size_t l = 0; l < layers.size(); ++l)
+    for (uint32_t sheet = 0; sheet < layers[l].flow.size(); ++sheet) {
       const size_t first = vertices.size();
-      AddSheet(body, layer, sheet, vertices);
-      parts.push_back({UploadMap(gl_, layer.flow[sheet]), layer.repeat[sheet], layer.longest_m,
-                       GLint(first), GLsizei(vertices.size() - first)});
+      AddSheet(body, layers[l], sheet, vertices);
+      parts.push_back({l, UploadMap(gl_, layers[l].flow[sheet]), layers[l].repeat[sheet],
+                       layers[l].longest_m, GLint(first), GLsizei(vertices.size() - first)});
     }
   return {UploadMesh(gl_, std::as_bytes(std::span(vertices)), kReliefFloats),
           UploadMap(gl_, body.relief->tile()), std::move(parts)};
 }
 
-void GlRelief::Draw(const GlProgram& program, uint32_t actor) const {
+void GlRelief::Draw(const GlProgram& program, uint32_t actor,
+                    const std::function<void(size_t)>& light) const {
   const Coat& coat = coats_[actor];
   gl_.BindVertexArray(coat.mesh.array);
   BindTexture(gl_, kHeightsUnit, GL_TEXTURE_2D, coat.tile);
   for (const Part& part : coat.parts) {
+    light(part.layer);
     BindTexture(gl_, kSurfaceUnit, GL_TEXTURE_2D, part.flow);
     program.Set("repeat", part.repeat);
     program.Set("longest", part.longest_m);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -45,11 +46,13 @@ class GlRelief {
   GlRelief(const GlApi& gl, const PictureScene& scene);
 
   bool Has(uint32_t actor) const { return !coats_[actor].parts.empty(); }
-  // By GlPrograms' relief, in use, where the skin has been drawn: layers in the setup's order.
-  void Draw(const GlProgram& program, uint32_t actor) const;
+  // By GlPrograms' relief, in use, where the skin has been drawn: layers in the setup's order, each behind light(layer).
+  void Draw(const GlProgram& program, uint32_t actor,
+            const std::function<void(size_t)>& light) const;
 
  private:
   struct Part {  // triangles of a layer with one sheet of its flow map
+    size_t layer;
     GlTexture flow;
     glm::vec2 repeat;
     float longest_m;

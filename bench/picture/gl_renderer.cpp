@@ -67,6 +67,15 @@ Lens LensOf(const Camera& camera, const PictureOptions& options) {
           glm::perspective(camera.vertical_fov_rad, aspect, camera.near_m, camera.far_m) * view};
 }
 
+// Of passes/relief.frag, in use.
+void SetRelief(const GlProgram& program, const ReliefShow& show) {
+  program.Set("relief_steps", glm::vec2(show.march.least, show.march.most));
+  program.Set("relief_frame", float(show.frame));
+  program.Set("relief_wind", show.march.wind);
+  program.Set("relief_pan", show.march.pan);
+  program.Set("relief_shows_steps", int(show.shows_steps));
+}
+
 }  // namespace
 
 struct GlRenderer::State {
@@ -169,10 +178,15 @@ void GlRenderer::State::DrawActor(const PictureScene& scene, uint32_t actor,
     gl().Enable(GL_BLEND);
     gl().BlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
     const GlProgram& relief = use(GlPrograms::kRelief);
-    relief.Set("depth_floor", scene.body_looks[actor].depth_floor);
-    uploaded.relief.Draw(relief, actor);
+    SetRelief(relief, scene.relief);
+    uploaded.relief.Draw(relief, actor, [&](size_t layer) {
+      const PictureLook& lit_by = scene.relief_looks[actor][layer];
+      SetLook(lit_by);
+      relief.Set("depth_floor", lit_by.depth_floor);
+    });
     gl().Disable(GL_BLEND);
     gl().DepthFunc(GL_LESS);
+    SetLook(scene.body_looks[actor]);
   }
   gl().BindVertexArray(no_array);
   uploaded.bodies.DrawEyes(use(GlPrograms::kEye), scene.bodies[actor].eyes);

@@ -272,8 +272,10 @@ std::vector<uint8_t> SoftwareRenderer::Draw(const PictureScene& scene,
       return shadows.OnActor(actor, at + normal * shadows.Lift(actor));
     };
   };
+  relief_steps_ = {};
   for (uint32_t a = 0; a < scene.bodies.size(); ++a)
-    DrawBody(scene.bodies[a], scene.body_looks[a], sun_on(a), projection, canvas);
+    DrawBody(scene.bodies[a], scene.body_looks[a], scene.relief_looks[a], scene.relief, sun_on(a),
+             projection, canvas, relief_steps_);
   const StripTexture strips(std::max(CountStrips(scene.layers), 1u));
   for (size_t i = 0; i < scene.draws.size(); ++i) {
     const PictureLook& look = scene.layer_looks[i];
@@ -286,6 +288,20 @@ std::vector<uint8_t> SoftwareRenderer::Draw(const PictureScene& scene,
     canvas.FinishLayer();
   }
   return canvas.Resolve(samples);
+}
+
+std::vector<uint8_t> DrawFrames(PictureRenderer& renderer, PictureScene scene,
+                                const PictureOptions& options, uint32_t frames) {
+  std::vector<uint32_t> sum;
+  scene.relief.frame = std::max(scene.relief.frame, 0);
+  for (uint32_t f = 0; f < frames; ++f, ++scene.relief.frame) {
+    const std::vector<uint8_t> rgb = renderer.Draw(scene, options);
+    sum.resize(rgb.size());
+    for (size_t i = 0; i < rgb.size(); ++i) sum[i] += rgb[i];
+  }
+  std::vector<uint8_t> mean;
+  for (const uint32_t bytes : sum) mean.push_back(uint8_t((bytes + frames / 2) / frames));
+  return mean;
 }
 
 std::vector<std::byte> DrawPicture(const Scenario& scenario, const FurScene& scene,

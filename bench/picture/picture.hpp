@@ -30,13 +30,24 @@ class PictureRenderer {
   virtual std::vector<uint8_t> Draw(const PictureScene& scene, const PictureOptions& options) = 0;
   // What draws: "software", or what the driver calls itself.
   virtual std::string Device() const = 0;
+  // Of the last picture's relief; none where there was none, or it is not counted.
+  virtual ReliefCount ReliefSteps() const { return {}; }
 };
 
 class SoftwareRenderer final : public PictureRenderer {
  public:
   std::vector<uint8_t> Draw(const PictureScene& scene, const PictureOptions& options) override;
   std::string Device() const override { return "software"; }
+  ReliefCount ReliefSteps() const override { return relief_steps_; }
+
+ private:
+  ReliefCount relief_steps_;
 };
+
+// The mean of `frames` pictures, 1 or more, each with another jitter of relief, from the scene's on: what accumulated
+// frames show.
+std::vector<uint8_t> DrawFrames(PictureRenderer& renderer, PictureScene scene,
+                                const PictureOptions& options, uint32_t frames);
 
 // A PNG of the scene's last frame as `camera` saw it, in software: GatherPicture has `notes` and `relief`.
 std::vector<std::byte> DrawPicture(const Scenario& scenario, const FurScene& scene,

@@ -16,8 +16,8 @@ bool AreAlike(const Actor& a, const Actor& b) {
 
 }  // namespace
 
-PictureMaps::PictureMaps(const Scenario& scenario, std::span<const std::string> relief)
-    : relief_(relief.begin(), relief.end()), coats_(MakeReliefCoats(scenario, relief)) {
+PictureMaps::PictureMaps(const Scenario& scenario, std::span<const std::string> relief, bool rim)
+    : relief_(relief.begin(), relief.end()), rim_(rim), coats_(MakeReliefCoats(scenario, relief)) {
   for (const Character& character : scenario.characters) {
     surfaces_.push_back(std::make_shared<const SurfaceColour>(character));
     const auto& faults = surfaces_.back()->faults();

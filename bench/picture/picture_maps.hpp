@@ -20,9 +20,10 @@ class SkinFurFinder;
 
 class PictureMaps {
  public:
-  // `relief`: layers by name, "all" for each, that are on the skin instead of hairs; throws as MakeReliefCoats. The scenario's
-  // characters and setups must outlive this, and stay as they are.
-  explicit PictureMaps(const Scenario& scenario, std::span<const std::string> relief = {});
+  // `relief`: layers by name, "all" for each, that are on the skin instead of hairs, with `rim` all but their fins;
+  // throws as MakeReliefCoats. The scenario's characters and setups must outlive this, and stay as they are.
+  explicit PictureMaps(const Scenario& scenario, std::span<const std::string> relief = {},
+                       bool rim = false);
 
   const std::shared_ptr<const SurfaceColour>& SurfaceOf(uint32_t character) const {
     return surfaces_[character];
@@ -37,6 +38,7 @@ class PictureMaps {
   std::shared_ptr<const StripTexture> StripsOf(
       const std::shared_ptr<const StrandTexture>& texture) const;
   const std::vector<std::string>& relief() const { return relief_; }
+  bool has_rim() const { return rim_; }
   // What could not be read or made, one sentence each.
   const std::vector<std::string>& notes() const { return notes_; }
 
@@ -48,6 +50,7 @@ class PictureMaps {
   std::vector<LayerGrowth> MakeGrowth(const Scenario& scenario, const Actor& actor);
 
   std::vector<std::string> relief_;
+  bool rim_;
   std::vector<std::shared_ptr<const SurfaceColour>> surfaces_;       // of the characters
   std::vector<std::shared_ptr<const ReliefCoat>> coats_;             // of the actors
   std::vector<std::vector<LayerGrowth>> growth_;                     // of the actors

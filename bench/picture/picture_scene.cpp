@@ -48,7 +48,7 @@ PictureScene GatherPicture(const Scenario& scenario, const PictureMaps& maps, co
   const std::span<const LayerDraw> draws = scene.Draws();
   shown.draws.assign(draws.begin(), draws.end());
   shown.layers = ReadHairs(scene, order);
-  RemoveRelief(scenario, scene, maps.relief(), shown.layers, shown.draws);
+  RemoveRelief(scenario, scene, maps.relief(), maps.has_rim(), shown.layers, shown.draws);
   for (const LayerDraw& draw : draws) {
     shown.growth.push_back(GrowthOfShells(scenario, scene, draw, growth[draw.layer]));
     FurTexture& texture = shown.textures.emplace_back();
@@ -150,6 +150,15 @@ void LightPicture(const FurScene& scene, PictureScene& shown) {
   shown.look = light.OnActor(0);
   shown.body_looks.clear();
   for (uint32_t a = 0; a < shown.bodies.size(); ++a) shown.body_looks.push_back(light.OnActor(a));
+  // A layer on the skin has the skin's light, and its own highlights.
+  shown.relief_looks.assign(shown.bodies.size(), {});
+  for (uint32_t a = 0; a < shown.bodies.size(); ++a) {
+    if (!shown.bodies[a].relief) continue;
+    for (const ReliefCoat::Layer& layer : shown.bodies[a].relief->layers()) {
+      PictureLook& look = shown.relief_looks[a].emplace_back(light.OnActor(a));
+      look.hair = HairLookOf(layer.look, look.hair.rim_exponent);
+    }
+  }
   shown.layer_looks.clear();
   for (const LayerDraw& draw : shown.draws) {
     PictureLook& look = shown.layer_looks.emplace_back(light.OnLayer(draw.layer));

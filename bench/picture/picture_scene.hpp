@@ -41,9 +41,11 @@ struct PictureScene {
   std::vector<std::vector<Hair>> layers;
   std::vector<FurTexture> textures;
   std::vector<ShellGrowth> growth;
-  std::vector<uint32_t> actors;          // whose layer it is
-  std::vector<PictureLook> layer_looks;  // and what it is lit by
-  std::vector<PictureLook> body_looks;   // of each character's skin
+  std::vector<uint32_t> actors;                        // whose layer it is
+  std::vector<PictureLook> layer_looks;                // and what it is lit by
+  std::vector<PictureLook> body_looks;                 // of each character's skin
+  std::vector<std::vector<PictureLook>> relief_looks;  // and of its layers of relief
+  ReliefShow relief;
   // Of each draw, the artist's texture of its strands; null: Pelt's own.
   std::vector<std::shared_ptr<const StripTexture>> strips;
   // Of each draw, where its vertices are the picture's own (OwnVertices); else none.
@@ -59,6 +61,8 @@ struct PictureScene {
     change(look);
     for (PictureLook& of_layer : layer_looks) change(of_layer);
     for (PictureLook& of_body : body_looks) change(of_body);
+    for (std::vector<PictureLook>& of_relief : relief_looks)
+      for (PictureLook& of_layer : of_relief) change(of_layer);
   }
 };
 

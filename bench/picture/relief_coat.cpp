@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "bench/shading/shading.hpp"
@@ -50,6 +51,10 @@ ControlMap MakeTile() {
   return tile;
 }
 
+bool HasSetup(const Scenario& scenario, const Actor& actor) {
+  return actor.groom < scenario.setups.size() && !scenario.setups[actor.groom].layers.empty();
+}
+
 bool IsNamed(std::span<const std::string> names, std::string_view layer) {
   return std::ranges::any_of(
       names, [&](const std::string& name) { return name == layer || name == "all"; });
@@ -90,7 +95,8 @@ ReliefCoat::ReliefCoat(const Character& character, const FurSetup& setup, float 
   for (const LayerSetup& layer : setup.layers) {
     if (!layer.params.enabled || !IsNamed(names, layer.name)) continue;
     const FlowMap flow = MakeFlowMap(character, rest, setup, layer, kFlowSide);
-    Layer& made = layers_.emplace_back(Layer{flow.sheet, {}, {}, flow.longest_m});
+    Layer& made =
+        layers_.emplace_back(Layer{layer.params.look, flow.sheet, {}, {}, flow.longest_m});
     for (uint32_t s = 0; s < flow.sheets; ++s) made.flow.push_back(Sheet(flow, s));
     made.repeat = Repeats(mesh_, rest, flow);
   }
@@ -101,24 +107,33 @@ bool ReliefCoat::Covers(uint32_t triangle) const {
       layers_, [&](const Layer& layer) { return layer.sheet[triangle] != FlowMap::kNoSheet; });
 }
 
-glm::vec3 ReliefCoat::Shade(const Body& body, const SurfacePoint& at, const PictureLook& look,
-                            const glm::vec3& eye, float sun_share, const glm::vec3& skin) const {
+glm::vec3 ReliefCoat::Shade(const Body& body, const SurfacePoint& at,
+                            std::span<const PictureLook> looks, const ReliefShow& show,
+                            const glm::vec3& eye, float sun_share, const glm::vec3& skin,
+                            ReliefCount& count) const {
   const glm::vec3 to_eye = glm::normalize(eye - Interpolate(body.position, mesh_, at));
   glm::vec3 colour = skin;
-  for (const Layer& layer : layers_)
-    if (layer.sheet[at.triangle] != FlowMap::kNoSheet)
-      colour = ShadeLayer(layer, body, at, look, to_eye, sun_share, colour);
+  for (size_t i = 0; i < layers_.size(); ++i) {
+    if (layers_[i].sheet[at.triangle] == FlowMap::kNoSheet) continue;
+    const glm::vec4 shaded =
+        ShadeLayer(layers_[i], body, at, looks[i], show, to_eye, sun_share, colour);
+    if (shaded.w < 0.0f) continue;
+    colour = glm::vec3(shaded);
+    count.steps += double(shaded.w);
+    ++count.places;
+  }
   return colour;
 }
 
-glm::vec3 ReliefCoat::ShadeLayer(const Layer& layer, const Body& body, const SurfacePoint& at,
-                                 const PictureLook& look, const glm::vec3& to_eye, float sun_share,
+glm::vec4 ReliefCoat::ShadeLayer(const Layer& layer, const Body& body, const SurfacePoint& at,
+                                 const PictureLook& look, const ReliefShow& show,
+                                 const glm::vec3& to_eye, float sun_share,
                                  const glm::vec3& below) const {
   const uint16_t sheet = layer.sheet[at.triangle];
   const glm::vec2 uv = Interpolate(mesh_.uv, mesh_, at);
   glm::vec4 texel;
   for (int c = 0; c < 4; ++c) texel[c] = layer.flow[sheet].Sample(uv, c);
-  if (texel.a <= 0.0f) return below;
+  if (texel.a <= 0.0f) return {below, -1.0f};
   const ReliefPoint point{.colour = Interpolate(body.fur, mesh_, at),
                           .tip_colour = Interpolate(body.fur_tip, mesh_, at),
                           .normal = glm::normalize(Interpolate(body.normal, mesh_, at)),
@@ -132,26 +147,41 @@ glm::vec3 ReliefCoat::ShadeLayer(const Layer& layer, const Body& body, const Sur
                           .sun_share = sun_share,
                           .to_eye = to_eye};
   const auto height = [&](const glm::vec2& place) { return tile_.Sample(place, 0); };
-  return glm::mix(below, ShadeRelief(height, look.light, look.hair, point), texel.a);
+  const glm::vec4 shaded = ShadeRelief(height, look.light, look.hair, show.march, point);
+  const glm::vec3 colour =
+      show.shows_steps ? ReliefStepColour(shaded.w, show.march.most) : glm::vec3(shaded);
+  return {glm::mix(below, colour, texel.a), shaded.w};
 }
 
-void CheckRelief(const Scenario& scenario, std::span<const std::string> names) {
+void CheckRelief(const Scenario& scenario, std::span<const std::string> names, bool rim) {
   if (names.empty()) return;
   std::vector<std::string> known;
+  bool has_fins = false;
   for (const Actor& actor : scenario.actors) {
-    if (actor.groom >= scenario.setups.size() || scenario.setups[actor.groom].layers.empty())
+    if (!HasSetup(scenario, actor))
       throw Error("picture: relief is made from a fur setup, and a groom file has none");
     if (const Character& character = scenario.characters[actor.character];
         character.mesh.uv.empty())
       throw Error(
           fmt::format("picture: relief needs texture coordinates, which {} lacks", character.name));
-    for (const LayerSetup& layer : scenario.setups[actor.groom].layers)
+    for (const LayerSetup& layer : scenario.setups[actor.groom].layers) {
+      has_fins |= layer.params.fins && IsNamed(names, layer.name);
       if (std::ranges::find(known, layer.name) == known.end()) known.push_back(layer.name);
+    }
   }
   for (const std::string& name : names)
     if (name != "all" && std::ranges::find(known, name) == known.end())
       throw Error(fmt::format("picture: no layer '{}' to draw as relief; there are: {}{}", name,
                               fmt::join(known, ", "), DidYouMean(name, known)));
+  if (rim && !has_fins)
+    throw Error(fmt::format("picture: no rim: none of '{}' has fins, of shells with fins = true",
+                            fmt::join(names, ",")));
+}
+
+bool CanBeRelief(const Scenario& scenario) {
+  return std::ranges::all_of(scenario.actors, [&](const Actor& actor) {
+    return HasSetup(scenario, actor) && !scenario.characters[actor.character].mesh.uv.empty();
+  });
 }
 
 std::vector<std::shared_ptr<const ReliefCoat>> MakeReliefCoats(const Scenario& scenario,
@@ -173,9 +203,22 @@ std::vector<std::shared_ptr<const ReliefCoat>> MakeReliefCoats(const Scenario& s
   return coats;
 }
 
+namespace {
+// What leaves a layer its fins, with this fade, and nothing of its shells: no hair is longer than the longest.
+std::span<const Shell> NoShell(float fade) {
+  static const auto kOfFade = [] {
+    std::array<Shell, 256> made;
+    for (size_t i = 0; i < made.size(); ++i)
+      made[i] = {.height = 1.0f, .shadow = 1.0f, .threshold = 1.0f, .fade = float(i) / 255.0f};
+    return made;
+  }();
+  return {&kOfFade[size_t(fade * 255.0f + 0.5f)], 1};
+}
+}  // namespace
+
 void RemoveRelief(const Scenario& scenario, const FurScene& scene,
-                  std::span<const std::string> names, std::vector<std::vector<Hair>>& layers,
-                  std::span<LayerDraw> draws) {
+                  std::span<const std::string> names, bool rim,
+                  std::vector<std::vector<Hair>>& layers, std::span<LayerDraw> draws) {
   if (names.empty()) return;
   for (size_t d = 0; d < draws.size(); ++d) {
     const std::string_view name = scene.LayerName(draws[d].layer);
@@ -184,7 +227,9 @@ void RemoveRelief(const Scenario& scenario, const FurScene& scene,
         scenario.setups[actor.groom].layers, [&](const auto& layer) { return layer.name == name; });
     if (!is_known || !IsNamed(names, name)) continue;
     layers[d].clear();
-    draws[d].shells.shell = {};
+    std::span<const Shell>& shells = draws[d].shells.shell;
+    const bool has_rim = rim && !shells.empty() && !draws[d].shells.fins.empty();
+    shells = has_rim ? NoShell(shells.back().fade) : std::span<const Shell>();
   }
 }
 

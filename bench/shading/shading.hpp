@@ -30,10 +30,10 @@ using uint = uint32_t;
 #include "jobs/shaders/fur_vertex.glsl"
 // These are put together of those before them.
 #include "bench/shading/shaders/film_strip.glsl"
-#include "bench/shading/shaders/relief.glsl"
 #include "bench/shading/shaders/shell_shading.glsl"
 #include "bench/shading/shaders/strand_light.glsl"
 #include "bench/shading/shaders/strand_texture.glsl"
+#include "jobs/shaders/relief.glsl"
 // And these of those.
 #include "bench/shading/shaders/paint_shading.glsl"
 #include "bench/shading/shaders/relief_shading.glsl"

@@ -170,6 +170,10 @@ check_ignored() {
   expect 2 --picture-width -- run --scene tiny --picture-width 100
   expect 2 --picture-height -- run --scene tiny --picture-height 100
   expect 2 --relief -- run --scene tiny --relief all
+  expect 2 '--relief-steps requires --relief' -- run --scene tiny --picture x.png --relief-steps 2,16
+  expect 2 'the least, 9' -- run --scene tiny --picture x.png --relief all --relief-steps 9,4
+  expect 2 --relief-steps -- run --scene tiny --picture x.png --relief all --relief-steps 4
+  expect 2 'has fins' -- run --scene tiny --frames 1 --picture x.png --relief all --relief-rim
   expect 2 --flow-side -- bake --setup tiny --flow-side 100
   expect 2 --flow-layer -- bake --setup tiny --flow-layer head
   expect 2 --renderer -- run --scene tiny --renderer gl

@@ -46,6 +46,7 @@ hold run run --scene tiny --frames 1 --executor local-store
 hold run run --scene tiny --frames 2 --lod --budget-us 100 --costs host.toml
 hold run run --scene tiny --frames 1 --no-sleep --fps 30 --mud 0.5
 hold run run --scene tiny --frames 1 --picture tiny.png --picture-width 64 --picture-height 48
+hold run run --scene tiny --frames 1 --picture tiny.png --picture-width 64 --picture-height 48 --relief all
 "$pelt" run --scene tiny --frames 20 --json >one.json 2>/dev/null
 "$pelt" run --scene tiny --frames 20 --isa reference --no-digest --json >two.json 2>/dev/null
 hold compare compare one.json one.json

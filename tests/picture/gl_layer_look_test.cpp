@@ -64,6 +64,21 @@ TEST(LayerLook, IsTheLayersAlone) {
     EXPECT_EQ(body.hair.primary, LayerLook{}.specular);
 }
 
+// On the skin too, where the light is the skin's.
+TEST(LayerLook, IsItsReliefs) {
+  Scenario scenario = EveryOutputScenario();
+  std::vector<LayerSetup>& layers = scenario.setups[scenario.actors[0].groom].layers;
+  layers[1].params.look.specular = 3.0f;
+  const Shown shown(scenario, VertexOrder::kSorted, {layers[0].name, layers[1].name});
+  PictureScene scene = shown.scene();
+  ASSERT_EQ(scene.relief_looks[0].size(), 2u);
+  EXPECT_EQ(scene.relief_looks[0][0].hair.primary, LayerLook{}.specular);
+  EXPECT_EQ(scene.relief_looks[0][1].hair.primary, 3.0f);
+  const std::vector<uint8_t> shining = SoftwareRenderer().Draw(scene, kSmall);
+  scene.relief_looks[0][1].hair.primary = LayerLook{}.specular;
+  EXPECT_NE(SoftwareRenderer().Draw(scene, kSmall), shining);
+}
+
 TEST_F(GlPicture, LooksOfLayersAreThoseOfTheSoftware) {
   const auto other = [](LayerLook& look, size_t l) {
     look.tint = {1.0f, l % 2 ? 0.4f : 1.2f, 0.7f};

@@ -39,6 +39,41 @@ TEST_F(GlReliefPicture, IsThatOfTheSoftware) {
   EXPECT_LT(PsnrDb(renderer_->Draw(bare, kSmall), software), kReliefTwinDb);
 }
 
+// Of relief in few steps, each option is seen, and as the software has it.
+TEST_F(GlReliefPicture, IsThatOfTheSoftwareInEachWay) {
+  const struct {
+    const char* name;
+    void (*change)(PictureScene& scene);
+  } kWays[] = {
+      {"jitter", [](PictureScene& scene) { scene.relief.frame = 3; }},
+      {"wind",
+       [](PictureScene& scene) {
+         scene.relief.march.wind = {0.03f, 0.0f, 0.02f};
+         scene.relief.march.pan = {0.3f, 0.1f};
+       }},
+      {"steps in colours", [](PictureScene& scene) { scene.relief.shows_steps = true; }},
+      {"highlights of its own",
+       [](PictureScene& scene) {
+         for (PictureLook& look : scene.relief_looks[0]) look.hair.primary = 4.0f;
+       }},
+  };
+  PictureScene few = Furry();
+  few.relief.march.least = 2.0f;
+  few.relief.march.most = 3.0f;
+  const std::vector<uint8_t> plain = renderer_->Draw(few, kSmall);
+  EXPECT_LT(PsnrDb(plain, renderer_->Draw(Furry(), kSmall)), kSameDb);
+  for (const auto& way : kWays) {
+    PictureScene scene = few;
+    way.change(scene);
+    const std::vector<uint8_t> picture = renderer_->Draw(scene, kSmall);
+    const double twin = PsnrDb(picture, SoftwareRenderer().Draw(scene, kSmall)),
+                 apart = PsnrDb(picture, plain);
+    std::printf("%s: %.1f dB to the software's, %.1f to relief without\n", way.name, twin, apart);
+    EXPECT_GT(twin, apart + 1.0) << way.name;
+    EXPECT_LT(apart, kSameDb) << way.name;
+  }
+}
+
 // One layer on the skin, the others as hairs over it.
 TEST_F(GlReliefPicture, LayersThatAreNotNamedKeepTheirHairs) {
   const Shown body(BakedMonster(), VertexOrder::kIndexBuffer, {"body"});
@@ -67,10 +102,14 @@ TEST_F(GlReliefPicture, EachPlantedFaultIsSeen) {
        }},
       {"tips coloured as roots",
        [](PictureScene& scene) { scene.bodies[0].fur_tip = scene.bodies[0].fur; }},
-      {"no shade below", [](PictureScene& scene) { scene.body_looks[0].depth_floor = 1.0f; }},
+      {"no shade below",
+       [](PictureScene& scene) {
+         for (PictureLook& look : scene.relief_looks[0]) look.depth_floor = 1.0f;
+       }},
       {"no highlights",
        [](PictureScene& scene) {
-         scene.body_looks[0].hair.primary = scene.body_looks[0].hair.secondary = 0.0f;
+         for (PictureLook& look : scene.relief_looks[0])
+           look.hair.primary = look.hair.secondary = 0.0f;
        }},
       {"no self-shadow", [](PictureScene& scene) { scene.look.shadow.strength = 0.0f; }},
   };

@@ -74,7 +74,7 @@ TEST(Picture, ReliefLeavesTheOthersTheirHairs) {
   auto left = all;
   std::vector<LayerDraw> draws(scene.Draws().begin(), scene.Draws().end());
   const std::vector<std::string> names = {"vertex", "modal4"};
-  RemoveRelief(drawn.scenario, scene, names, left, draws);
+  RemoveRelief(drawn.scenario, scene, names, false, left, draws);
   for (size_t d = 0; d < all.size(); ++d) {
     const std::string_view name = scene.LayerName(scene.Draws()[d].layer);
     if (!scene.Draws()[d].format().OfStrands()) continue;
@@ -101,6 +101,63 @@ TEST(Picture, ReliefTakesThePlaceOfShellsToo) {
   EXPECT_EQ(shells(), 1);
   names = {"shells"};
   EXPECT_EQ(shells(), 0);
+}
+
+// A rim is the layer's fins, as they are without relief, and no shell.
+TEST(Picture, ReliefWithARimKeepsTheFins) {
+  Scenario scenario = EveryOutputScenario();
+  FurSetup& setup = scenario.setups[scenario.actors[0].groom];
+  setup.layers.push_back(setup.layers.front());
+  setup.layers.back().name = "shells";
+  const std::vector<std::string> names = {"shells"};
+  EXPECT_NE(test::ErrorFrom([&] { CheckRelief(scenario, names, true); }).find("has fins"),
+            std::string::npos);
+  setup.layers.back().params.fins = true;
+  Drawn drawn(VertexOrder::kSorted, scenario);
+  const PictureMaps maps(drawn.scenario, names, true);
+  const PictureScene shown =
+      GatherPicture(drawn.scenario, maps, drawn.running.scene(), {}, VertexOrder::kSorted);
+  for (size_t d = 0; d < shown.draws.size(); ++d) {
+    const ShellDraw &rim = shown.draws[d].shells, &all = drawn.running.scene().Draws()[d].shells;
+    if (rim.shell.empty()) continue;
+    EXPECT_EQ(WriteFins(rim, {}), WriteFins(all, {}));
+    EXPECT_GT(WriteFins(rim, {}), 0u);
+    ASSERT_EQ(rim.shell.size(), 1u);
+    EXPECT_EQ(rim.shell[0].threshold, 1.0f);
+    EXPECT_EQ(rim.shell[0].fade, all.shell.back().fade);
+    return;
+  }
+  FAIL() << "no layer has a rim";
+}
+
+// Frames that are accumulated differ by their jitter alone, and one without it is none of them.
+TEST(Picture, ReliefIsJitteredByFrame) {
+  Drawn drawn(VertexOrder::kSorted);
+  std::vector<std::string> notes;
+  const std::vector<std::string> names = {"all"};
+  const Camera camera = drawn.scenario.PrepareFrame(0, drawn.running.scene()).camera;
+  PictureScene shown = GatherPicture(drawn.scenario, drawn.running.scene(), camera,
+                                     VertexOrder::kSorted, notes, names);
+  SoftwareRenderer renderer;
+  const PictureOptions options{160, 120, 1};
+  const std::vector<uint8_t> plain = renderer.Draw(shown, options);
+  const ReliefCount count = renderer.ReliefSteps();
+  EXPECT_GT(count.places, 100u);
+  EXPECT_LT(count.steps, 28.0 * double(count.places));
+  shown.relief.march.least = shown.relief.march.most = 2.0f;
+  renderer.Draw(shown, options);
+  EXPECT_LT(renderer.ReliefSteps().steps, 0.75 * count.steps);
+  shown.relief.march.most = 16.0f;
+  shown.relief.frame = 0;
+  const std::vector<uint8_t> first = renderer.Draw(shown, options);
+  EXPECT_NE(first, plain);
+  EXPECT_EQ(DrawFrames(renderer, shown, options, 1), first);
+  EXPECT_NE(DrawFrames(renderer, shown, options, 4), first);
+  shown.relief.frame = 1;
+  EXPECT_NE(renderer.Draw(shown, options), first);
+  shown.relief.march.wind = {0.02f, 0.0f, 0.0f};
+  shown.relief.frame = 0;
+  EXPECT_NE(renderer.Draw(shown, options), first);
 }
 
 TEST(Picture, ReliefNeedsTheSetupAndKnownLayers) {

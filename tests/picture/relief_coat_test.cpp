@@ -40,7 +40,12 @@ struct CombedTorus {
     const Mesh& mesh = character.mesh;
     const glm::vec3 eye =
         Interpolate(body.position, mesh, at) + glm::normalize(Interpolate(body.normal, mesh, at));
-    return body.relief->Shade(body, at, DefaultLook(), eye, 1.0f, glm::vec3(0.0f)).g;
+    return Shade(at, eye, glm::vec3(0.0f)).g;
+  }
+  glm::vec3 Shade(const SurfacePoint& at, const glm::vec3& eye, const glm::vec3& skin) const {
+    const PictureLook look = DefaultLook();
+    ReliefCount count;
+    return body.relief->Shade(body, at, {&look, 1}, {}, eye, 1.0f, skin, count);
   }
   // How much light differs over 1.6 mm along the ring, over that across it.
   float Ratio() const {
@@ -65,8 +70,7 @@ TEST(ReliefCoat, HidesTheSkinWhereFurGrows) {
   const CombedTorus torus(0.0f);
   const SurfacePoint at{2 * 4, {0.4f, 0.3f, 0.3f}};
   const auto over = [&](const glm::vec3& skin) {
-    return torus.body.relief->Shade(torus.body, at, DefaultLook(), glm::vec3(0.0f, 1.0f, 0.0f),
-                                    1.0f, skin);
+    return torus.Shade(at, glm::vec3(0.0f, 1.0f, 0.0f), skin);
   };
   EXPECT_EQ(over(glm::vec3(0.0f)), over(glm::vec3(9.0f)));
 }

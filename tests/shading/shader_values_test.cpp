@@ -100,6 +100,7 @@ constexpr const char* kLightText = R"(
   ReliefPoint p = ReliefPoint(u.xyz, abs(v.xyz), d.xyz, 0.4 * e.xyz, 0.3 * cross(d.xyz, e.xyz) + 0.1 * v.xyz, u.xy,
                               vec2(3.0, 5.0), vec4(0.3 + 0.4 * u.zw, u.x, 1.0), 0.06, 0.22, u.y,
                               normalize(d.xyz + 0.7 * v.xyz));
+  ReliefMarch march = ReliefMarch(4.0, 16.0, 0.3, 0.01 * v.xyz, u.zw);
 )";
 
 std::vector<Function> ListFunctions() {
@@ -133,8 +134,12 @@ std::vector<Function> ListFunctions() {
          const glm::vec4 seen = SeenPaint(a.u, Unit(a.d), std::abs(a.v.x));
          return Wide(PaintedColour(PaintOf(a), glm::abs(glm::vec3(a.v)), seen));
        }},
-      {"ShadeRelief", "LIGHT vec4(ShadeRelief(0, light, look, p), 0.0)",
-       [](A a) { return Wide(ShadeRelief(HeightOf, LightOf(a), kHairLook, ReliefPointOf(a))); }},
+      {"ShadeRelief", "LIGHT vec4(ShadeRelief(0, light, look, march, p).rgb, 0.0)",
+       [](A a) {
+         const ReliefMarch march{4.0f, 16.0f, 0.3f, 0.01f * glm::vec3(a.v), {a.u.z, a.u.w}};
+         return Wide(
+             glm::vec3(ShadeRelief(HeightOf, LightOf(a), kHairLook, march, ReliefPointOf(a))));
+       }},
       {"TexelColour",
        "vec4(TexelColour(1, u, abs(v.xyz), abs(d.xyz), e.xyz), TexelCover(2, u, abs(v.zx)))",
        [](A a) {
