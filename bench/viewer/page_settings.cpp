@@ -67,6 +67,16 @@ PageEntry Skip(std::string_view key, std::string_view text) {
       key, "what is left out", text);
 }
 
+PageEntry ReliefEntry() {
+  static constexpr std::string_view kWords[] = {"hair", "relief", "relief, jittered",
+                                                "steps of relief"};
+  PageEntry entry = Entry<[](PageSettings& s) { return &s.relief; }>(
+      "relief", "relief", "", 0, double(std::size(kWords) - 1),
+      "fur on the skin, with a setup and texture coordinates; jittered: by frame");
+  entry.words = kWords;
+  return entry;
+}
+
 PageEntry DataViewEntry() {
   PageEntry entry = Entry<[](PageSettings& s) { return &s.show; }>(
       "show", "stages", "", 0, double(DataViews().size() - 1), "what stages of the frame computed");
@@ -157,6 +167,7 @@ const PageEntry kEntries[] = {
      [](PageSettings& s, double value) { s.light.shadow = value; }},
     Light<&PageLight::shadow_reach>("shadow_falloff", "how fast light dies away inside a coat"),
     Light<&PageLight::depth>("depth", "light left at the skin"),
+    ReliefEntry(),
     DataViewEntry(),
     KernelsEntry(),
     Switch<[](PageSettings& s) { return &s.hold_view; }>(

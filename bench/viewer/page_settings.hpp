@@ -22,6 +22,7 @@ struct PageSettings {
   Scenario& scenario;
   PageLight light = {};
   bool render_fur = true;
+  uint32_t relief = 0;       // in place of hair; 1: as it is; 2: jittered by frame; 3: its steps
   uint32_t show = 0;         // of DataViews()
   bool hold_view = false;    // cull, sort and LOD for where the camera was
   bool in_between = true;    // pictures between two frames

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "bench/picture/relief_coat.hpp"
 #include "bench/viewer/data_views.hpp"
 #include "bench/viewer/page_json.hpp"
 #include "core/groom/setup_schema.hpp"
@@ -55,6 +56,12 @@ Json DescribeSettings(const PageSettings& settings) {
   return entries;
 }
 
+std::unique_ptr<PictureMaps> MapsFor(const Scenario& scenario, const PageSettings& settings) {
+  static const std::string kAll = "all";
+  const bool relief = settings.relief > 0 && CanBeRelief(scenario);
+  return std::make_unique<PictureMaps>(scenario, std::span(&kAll, size_t(relief)));
+}
+
 // Where the ray meets the triangle: how far on, or less than 0.
 float Meet(const PageRay& ray, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
   const glm::vec3 ab = b - a, ac = c - a, across = glm::cross(ray.along, ac);
@@ -74,7 +81,7 @@ void Viewer::Load() {
   if (painted_) PaintAll(*scenario, {});
   auto settings = std::make_unique<PageSettings>(PageSettings{*scenario});
   for (const auto& [entry, value] : set_) entry->set(*settings, value);
-  auto maps = std::make_unique<PictureMaps>(*scenario);
+  auto maps = MapsFor(*scenario, *settings);
   if (!running_ || !running_->GoOnWith(*scenario)) Begin(*scenario, settings->isa);
   maps_ = std::move(maps);
   settings_ = std::move(settings);
@@ -132,7 +139,12 @@ void Viewer::Set(std::string_view key, double value) {
   const PageEntry& entry = PageEntryFor(key, value);
   const double dt_s = scenario_->dt_s;
   const Isa isa = settings_->isa;
+  const bool had_relief = settings_->relief > 0;
   entry.set(*settings_, value);
+  if (had_relief != (settings_->relief > 0)) {
+    maps_ = MapsFor(*scenario_, *settings_);
+    ForgetPoses();
+  }
   is_stale_ |= !IsOfShowing(entry);
   if (!IsOfLight(entry)) ForgetPicture();
   set_[&entry] = value;
@@ -272,7 +284,13 @@ PictureScene Viewer::GatherFrame() const {
 void Viewer::Light(PictureScene& shown) const {
   shown.camera = last_camera_;
   LightPicture(running_->scene(), shown);
+  ApplyLook(shown);
+}
+
+void Viewer::ApplyLook(PictureScene& shown) const {
   ApplyLight(*settings_, shown);
+  shown.relief.frame = settings_->relief == 2 ? int(next_frame_ % 64) : -1;
+  shown.relief.shows_steps = settings_->relief == 3;
 }
 
 PictureScene Viewer::Gather(float share) const {
@@ -281,7 +299,7 @@ PictureScene Viewer::Gather(float share) const {
     show(running_->scene(), shown);
   else if (share < 1.0f)
     before_.Blend(share, shown);
-  ApplyLight(*settings_, shown);
+  ApplyLook(shown);
   ApplyRenderFur(*settings_, shown);
   return shown;
 }

@@ -77,6 +77,7 @@ class Viewer final : public PageView {
   const Camera& StandFor(const Camera& own);
   PictureScene GatherFrame() const;
   void Light(PictureScene& shown) const override;
+  void ApplyLook(PictureScene& shown) const;
   void KeepForBlend();
   void Load();
   void Begin(Scenario& scenario, Isa isa);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -50,6 +51,22 @@ TEST(Viewer, EverySettingCanBeSetToWhatItIs) {
     viewer.Set(row["key"].get<std::string>(), row["value"]);
   }
   EXPECT_EQ(RunFor(viewer, kFrames), NativeDigest(kFrames));
+}
+
+TEST(Viewer, ReliefTakesThePlaceOfHair) {
+  Viewer viewer({.scene = "tiny"});
+  for (const double relief : {0.0, 1.0, 2.0, 3.0, 0.0}) {
+    viewer.Set("relief", relief);
+    EXPECT_EQ(viewer.Step(), nullptr);
+    viewer.Look();
+    const PictureScene& shown = viewer.Picture(1.0f);
+    EXPECT_EQ(shown.bodies[0].relief != nullptr, relief > 0.0);
+    EXPECT_EQ(shown.relief.frame >= 0, relief == 2.0);
+    EXPECT_EQ(shown.relief.shows_steps, relief == 3.0);
+    EXPECT_EQ(std::ranges::all_of(shown.layers, [](const auto& hairs) { return hairs.empty(); }),
+              relief > 0.0);
+  }
+  EXPECT_EQ(viewer.run_digest(), NativeDigest(5));
 }
 
 TEST(Viewer, WindTurnsAndKeepsItsSpeed) {
