@@ -57,6 +57,7 @@ inline constexpr uint32_t kInfluenceRows = kVertexGroups * 8;
 inline constexpr uint32_t kSpheresPerScene = 8;
 inline constexpr uint32_t kCapsulesPerScene = 8;
 inline constexpr uint32_t kBrushesPerScene = 16;
+inline constexpr uint32_t kForceVolumesPerScene = 8;
 inline constexpr uint32_t kRibbonPoints = 5;
 
 // Strands have 4, 5 or 9 points, the root too.

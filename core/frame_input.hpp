@@ -1,5 +1,5 @@
 // All input of a frame besides the poses: time, camera, wind, obstacles, weather, lights,
-// brushes, and what may be left out. Plain data, so that it can be recorded and replayed (traces/).
+// brushes, force volumes, and what may be left out. Plain data, so that it can be recorded and replayed (traces/).
 #pragma once
 
 #include <cstdint>
@@ -130,6 +130,8 @@ struct FrameInput {
   Lighting lighting;
   uint32_t brush_count = 0;            // of `brush`
   PaintBrush brush[kBrushesPerScene];  // one after the other: the last has the last word
+  uint32_t force_count = 0;            // of `force`
+  ForceVolume force[kForceVolumesPerScene];
   LodSettings lod;
   SkipSettings skip;
 };

@@ -20,10 +20,10 @@ enum LayerFlag : uint32_t {
   kLayerRibbons = 1u << 4,
   kLayerClump = 1u << 5,
   kLayerBackFaceCull = 1u << 6,
-  kLayerWind = 1u << 7,       // wind blows, or is not left out, and the layer responds
-  kLayerSimulate = 1u << 8,   // some strand of the layer has simulation strength
-  kLayerModal = 1u << 9,      // the modal solver; never with kLayerVerlet
-  kLayerWindEnds = 1u << 10,  // modal: kLayerBlows in the last frame and not in this one
+  kLayerWind = 1u << 7,      // it responds to wind, which blows or is not left out; or kLayerPushed
+  kLayerSimulate = 1u << 8,  // some strand of the layer has simulation strength
+  kLayerModal = 1u << 9,     // the modal solver; never with kLayerVerlet
+  kLayerWindEnds = 1u << 10,  // modal: kLayerBlows or kLayerPushed of the last frame is gone
   kLayerLines = 1u << 11,
   kLayerLit = 1u << 12,      // has a LayerLightBlock
   kLayerRelight = 1u << 13,  // the scene's lights are not last frame's, or nothing may be left out
@@ -39,6 +39,7 @@ enum LayerFlag : uint32_t {
   kLayerTraits = 1u << 23,      // has a TraitBlock; never with kLayerShells
   kLayerApart = 1u << 24,       // has a LayerOriginBlock: its character has an origin of its own
   kLayerChainLevel = 3u << 25,  // the least of its LodBlock::chain_level
+  kLayerPushed = 1u << 27,      // a force volume touches the layer's box; always with kLayerWind
 };
 inline constexpr uint32_t kLayerChainLevelShift = 25;
 // What a layer's vertices are: at most one; none: instances (core/outputs.hpp).

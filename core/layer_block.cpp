@@ -85,8 +85,8 @@ uint32_t LeastChainLevel(const LayerParams& params) {
 
 LayerBlock FillLayerBlock(const LayerParams& params, const Weather& weather, float dt,
                           const float gravity[3], Air air, uint32_t strand_count, float length_max,
-                          bool any_strength, const LayerBlock* last, float scale,
-                          double push_ratio) {
+                          bool any_strength, const LayerBlock* last, float scale, double push_ratio,
+                          bool pushed) {
   const float wet = Saturate(weather.wetness);
   const float softer = StiffnessLeft(params, weather);
   const float dry_clump = Saturate(params.clump);
@@ -133,11 +133,12 @@ LayerBlock FillLayerBlock(const LayerParams& params, const Weather& weather, flo
   set(params.enabled, kLayerEnabled);
   set(b.clump > 0.0f, kLayerClump);
   set(params.backface_cull, kLayerBackFaceCull);
-  set(air != Air::kLeftOut && params.wind_response != 0.0f, kLayerWind);
+  set((air != Air::kLeftOut && params.wind_response != 0.0f) || pushed, kLayerWind);
+  set(pushed, kLayerPushed);
   set(air == Air::kBlows && params.wind_response != 0.0f, kLayerBlows);
   set(any_strength, kLayerSimulate);
-  if (last && (b.flags & kLayerModal) && (last->flags & ~b.flags & kLayerBlows))
-    b.flags |= kLayerWindEnds;
+  constexpr uint32_t kAir = kLayerBlows | kLayerPushed;
+  if (last && (b.flags & kLayerModal) && (last->flags & ~b.flags & kAir)) b.flags |= kLayerWindEnds;
   b.changed = !last || Differ(*last, b) ? 1u : 0u;
   return b;
 }

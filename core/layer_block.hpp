@@ -35,10 +35,11 @@ enum class Air : uint8_t { kLeftOut, kStill, kBlows };
 //                that the result is assigned to
 //  scale         of the character over that of its groom
 //  push_ratio    of the modal solver in this frame (modal_table.hpp); 0: another solver, or none
+//  pushed        a force volume may reach the layer
 LayerBlock FillLayerBlock(const LayerParams& params, const Weather& weather, float dt,
                           const float gravity[3], Air air, uint32_t strand_count, float length_max,
                           bool any_strength, const LayerBlock* last, float scale = 1.0f,
-                          double push_ratio = 0.0);
+                          double push_ratio = 0.0, bool pushed = false);
 
 // Of a layer with output = "shells".
 ShellLayerBlock FillShellLayer(const LayerParams& params, float length_max);

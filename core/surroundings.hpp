@@ -1,5 +1,5 @@
-// What acts on a scene's fur from outside and kernels take as it was set: wind, lights, and brushes that paint it.
-// Plain data; nothing blows, shines or paints unless it is given.
+// What acts on a scene's fur from outside and kernels take as it was set: wind, force volumes, lights, and brushes that
+// paint it. Plain data; nothing blows, pushes, shines or paints unless it is given.
 #pragma once
 
 #include <cstdint>
@@ -15,6 +15,32 @@ struct WindSetup {
   float gust_period_s = 4.0f;              // of the slowest sine; from 1e-3 on
   float turbulence = 0.0f;                 // most that an eddy adds along an axis, m/s
   float turbulence_scale_m = 1.0f;         // size of an eddy; from 1e-3 on
+  uint32_t kind = 0;                       // WindKind
+};
+
+// kPublished is that of Furry Scorpion, x = A + B sin(C (t + x)), z = D + E sin(F (t + z)), in m and s. A and D are
+// the velocity, B and E the turbulence, C and F a turn in turbulence_scale_m; Perlin noise over gust_period_s swings
+// each by up to gust_strength of it. As published t is not wrapped: with gusts the sines turn faster the later it is.
+enum class WindKind : uint32_t { kGusts, kPublished };
+inline constexpr uint32_t kWindKinds = 2;
+
+// A ball or a box that pushes the strands whose roots it holds, or pulls them to its centre: what an animator has in
+// place of wind where fur is to move as the story wants. It acts as wind does, on layers that do not answer to wind
+// too. Free, or carried along by a joint, which may be one that moves no skin and is keyed for this alone.
+enum class ForceShape : uint32_t { kBall, kBox };
+enum class ForceKind : uint32_t { kPush, kPull };
+inline constexpr uint32_t kForceShapes = 2, kForceKinds = 2;
+struct ForceVolume {
+  static constexpr uint32_t kFree = ~0u;
+  float centre[3] = {};  // free: m, world; bound: in the joint's space, units of the character file
+  // Along the world's axes or the joint's: the ball's radii, half the box's sides; m; from 1e-3 on.
+  float half[3] = {1.0f, 1.0f, 1.0f};
+  uint32_t shape = 0, kind = 0;             // ForceShape, ForceKind
+  float direction[3] = {0.0f, 1.0f, 0.0f};  // of a push: unit, along the same axes
+  float strength = 0.0f;                    // m/s^2; below 0: the other way
+  float hardness = 0.0f;   // 0 to 1: share of the way out that has all of it; at the surface is 0
+  uint32_t character = 0;  // whose joint it is; nothing to a free one
+  uint32_t joint = kFree;  // as in Groom::joint_names
 };
 
 inline constexpr uint32_t kLightsPerScene = 8;

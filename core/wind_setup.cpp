@@ -1,4 +1,4 @@
-// The wind's course over time: everything that needs a sine, once per frame.
+// The wind's course over time: everything that is of time alone, once per frame.
 //
 // Gusts are the EyePet recipe: a sum of sines whose periods are not multiples of each other, so
 // that the swell never repeats, scaled to [-1, 1]. Each phase is wrapped on its own in double
@@ -31,9 +31,31 @@ float WrapCells(double cells) {
   return result >= float(kPerlinPeriod) || result < 0.0f ? 0.0f : result;
 }
 
+// A to F: the means of the setup, swung by noise over time.
+WindParams MakePublishedWind(const WindSetup& setup, double time_s, const double (&origin)[3]) {
+  using V = ArrayVec<4>;
+  WindParams params{};
+  params.published = 1;
+  const V cells(WrapCells(time_s / double(setup.gust_period_s)));
+  for (uint32_t i = 0; i < 2; ++i) {
+    const uint32_t axis = 2 * i;  // x, z
+    const Vec3<V> noise = PerlinVector(Vec3<V>{cells, V(0.5f), V(0.5f + 32.0f * float(i))});
+    const auto swung = [&](double mean, const V& by) {
+      return mean * (1.0 + double(setup.gust_strength) * double(by[0]));
+    };
+    const double turns = swung(1.0 / double(setup.turbulence_scale_m), noise.z);
+    params.direction_speed[axis] = float(swung(double(setup.velocity[axis]), noise.x));
+    const double phase = turns * (time_s + origin[axis]);
+    params.sine[i] = {float(swung(double(setup.turbulence), noise.y)), float(turns),
+                      float(phase - exact::Floor(phase))};
+  }
+  return params;
+}
+
 }  // namespace
 
 WindParams MakeWindParams(const WindSetup& setup, double time_s, const double (&origin)[3]) {
+  if (setup.kind == uint32_t(WindKind::kPublished)) return MakePublishedWind(setup, time_s, origin);
   WindParams params{};
   const double gust = 1.0 + double(setup.gust_strength) * Swell(time_s, setup.gust_period_s);
   for (int c = 0; c < 3; ++c) params.direction_speed[c] = float(setup.velocity[c] * gust);

@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "core/float_rules.hpp"
+#include "core/kernels/wind.hpp"
 
 namespace {
 
@@ -19,6 +20,10 @@ static_assert(PELT_SNOW == int(pelt::PaintChannel::kSnow));
 static_assert(PELT_WET == int(pelt::PaintChannel::kWet));
 static_assert(PELT_DUST == int(pelt::PaintChannel::kDust));
 static_assert(PELT_DUST + 1 == pelt::kPaintChannels);
+static_assert(PELT_FREE == pelt::ForceVolume::kFree);
+static_assert(PELT_PUBLISHED_WIND == int(pelt::WindKind::kPublished));
+static_assert(PELT_FORCE_BOX == int(pelt::ForceShape::kBox));
+static_assert(PELT_FORCE_PULL == int(pelt::ForceKind::kPull));
 
 struct SkipBit {
   uint32_t bit;
@@ -50,6 +55,11 @@ static_assert([]<class C = PeltStrandWrite, class D = pelt::StrandWrite, size_t 
   return PELT_SAME(layer) && PELT_SAME(strand) && PELT_SAME(base_colour) && PELT_SAME(tip_colour) &&
          PELT_SAME(width) && PELT_SAME(film_strip) && sizeof(C) == sizeof(D);
 }());
+static_assert([]<class C = PeltForce, class D = pelt::ForceVolume, size_t kAt = 0>() {
+  return PELT_SAME(centre) && PELT_SAME(half) && PELT_SAME(shape) && PELT_SAME(kind) &&
+         PELT_SAME(direction) && PELT_SAME(strength) && PELT_SAME(hardness) &&
+         PELT_SAME(character) && PELT_SAME(joint);
+}());
 static_assert([]<class C = PeltCapsule, class D = pelt::CapsuleCollider, size_t kAt = 0>() {
   return PELT_SAME(from) && PELT_SAME(to) && PELT_SAME(radius) && PELT_SAME(character) &&
          PELT_SAME(joint) && PELT_SAME(from_velocity) && PELT_SAME(to_velocity);
@@ -65,7 +75,8 @@ static_assert([]<class C = PeltFrame, class D = pelt::Camera, size_t kAt = kCame
 }());
 static_assert([]<class C = PeltFrame, class D = pelt::WindSetup, size_t kAt = kWind>() {
   return PELT_SAME(gust_strength) && PELT_SAME(gust_period_s) && PELT_SAME(turbulence) &&
-         PELT_SAME(turbulence_scale_m) && offsetof(C, use_ground) - kAt == sizeof(D);
+         PELT_SAME(turbulence_scale_m) && offsetof(C, wind_kind) - kAt == offsetof(D, kind) &&
+         offsetof(C, use_ground) - kAt == sizeof(D);
 }());
 static_assert([]<class C = PeltFrame, class D = pelt::LodSettings, size_t kAt = kLod>() {
   return PELT_SAME(full_detail_px) && PELT_SAME(min_fraction) && PELT_SAME(hysteresis) &&
@@ -125,6 +136,8 @@ const char* pelt::c_frame::Translate(const PeltFrame& from, const SceneShape& sh
        "the irradiance samples are null");
   take(from.brushes, from.brush_count, to.brush, to.brush_count, "more brushes than a scene holds",
        "the brushes are null");
+  take(from.forces, from.force_count, to.force, to.force_count,
+       "more force volumes than a scene holds", "the force volumes are null");
   if (fault) return fault;
   if (from.sphere_velocities)
     for (uint32_t s = 0; s < from.sphere_count; ++s)
@@ -163,4 +176,18 @@ void pelt_default_frame(PeltFrame* frame) {
   CopyRun(in.lod, *frame, kLod);
   for (const SkipBit& skip : kSkips)
     if (in.skip.*skip.member) frame->skip |= skip.bit;
+}
+
+void pelt_wind_waves(const PeltFrame* frame, const double origin[3], PeltWindWaves* waves) {
+  if (!waves) return;
+  *waves = {};
+  if (!frame || frame->wind_kind != PELT_PUBLISHED_WIND) return;
+  pelt::WindSetup setup;
+  CopyRun(*frame, kWind, setup);
+  double from[3] = {};
+  if (origin) std::copy_n(origin, 3, from);
+  const pelt::WindParams wind = pelt::MakeWindParams(setup, frame->time_s, from);
+  Copy(wind.direction_speed, waves->mean);
+  std::memcpy(waves->along_x, &wind.sine[0], sizeof waves->along_x);
+  std::memcpy(waves->along_z, &wind.sine[1], sizeof waves->along_z);
 }

@@ -5,24 +5,38 @@
 
 #include "core/bind_pose.hpp"
 #include "core/float_rules.hpp"
+#include "core/kernels/wind.hpp"
 
 namespace pelt {
 namespace {
 
-// The placed end of a capsule; false where it is not finite or too far away to touch anything.
-bool PlaceEnd(const float (&end)[3], const SkeletonBlock& skeleton, const float (&matrix)[12],
-              uint32_t joint, const Offset& offset, float (&placed)[3]) {
-  double in_mesh[3];
-  PlaceInMesh(skeleton, joint, end, in_mesh);
-  for (int r = 0; r < 3; ++r) {
-    const float* row = matrix + 4 * r;
-    double sum = row[0] * in_mesh[0] + row[1] * in_mesh[1] + row[2] * in_mesh[2] + row[3];
-    if (offset.step[r] != 0.0) sum -= offset.step[r];
-    if (!(std::abs(sum) <= kFarthest_m)) return false;
-    placed[r] = float(sum);
+// Where places of joints' spaces are in this frame, relative to the origin of a character.
+struct JointPlaces {
+  const FrameMemory& memory;
+  const PoseGate& gate;
+  std::span<const CharacterOrigin> origins;
+  uint32_t character;
+  const PaletteBlock* palette = nullptr;
+  uint32_t palette_of = 0;
+
+  // False where it is not finite or too far away to touch anything.
+  template <class T>
+  bool Find(uint32_t of, uint32_t joint, const float (&point)[3], T (&placed)[3]) {
+    if (!palette || palette_of != of) palette = &gate.PaletteOf(memory, palette_of = of);
+    const Offset offset =
+        origins.empty() ? Offset{} : OffsetBetween(origins[of].used, origins[character].used);
+    double in_mesh[3];
+    PlaceInMesh(*memory.Of<&Streams::skeleton>(of), joint, point, in_mesh);
+    for (int r = 0; r < 3; ++r) {
+      const float* row = palette->matrix[joint] + 4 * r;
+      double sum = row[0] * in_mesh[0] + row[1] * in_mesh[1] + row[2] * in_mesh[2] + row[3];
+      if (offset.step[r] != 0.0) sum -= offset.step[r];
+      if (!(std::abs(sum) <= kFarthest_m)) return false;
+      placed[r] = T(sum);
+    }
+    return true;
   }
-  return true;
-}
+};
 
 CapsuleParams Span(const float (&from)[3], const float (&to)[3], float radius) {
   CapsuleParams capsule{};
@@ -41,6 +55,38 @@ CapsuleParams Span(const float (&from)[3], const float (&to)[3], float radius) {
   return capsule;
 }
 
+// By what `find` makes of a place; false where there is none, or the joint has lost an axis.
+bool Place(const ForceVolume& force, auto&& find, PlacedForce& placed) {
+  const bool pulls = force.kind == uint32_t(ForceKind::kPull);
+  double centre[3], push[3] = {};
+  if (!find(force.centre, centre)) return false;
+  for (int a = 0; a < 3; ++a) {
+    float end[3] = {force.centre[0], force.centre[1], force.centre[2]};
+    end[a] += 1.0f;
+    double axis[3], square = 0.0, middle = 0.0;
+    if (!find(end, axis)) return false;
+    for (int k = 0; k < 3; ++k) {
+      axis[k] -= centre[k];
+      square += axis[k] * axis[k];
+    }
+    if (!(square > 1.0e-24)) return false;
+    for (int k = 0; k < 3; ++k) {
+      const double unit = axis[k] / std::sqrt(square);
+      placed.own[a][k] = float(unit / double(force.half[a]));
+      middle += unit * centre[k];
+      push[k] += unit * double(force.direction[a]);
+    }
+    placed.own[a][3] = float(-middle / double(force.half[a]));
+  }
+  for (int k = 0; k < 3; ++k)
+    placed.push[k] = float(pulls ? centre[k] : push[k] * double(force.strength));
+  placed.pull = pulls ? force.strength : 0.0f;
+  placed.steepness = 1.0f / std::max(1.0f - force.hardness, 1.0e-6f);
+  placed.flags =
+      (force.shape == uint32_t(ForceShape::kBox) ? kForceBox : 0u) | (pulls ? kForcePulls : 0u);
+  return true;
+}
+
 }  // namespace
 
 CapsuleSources PlaceCapsules(const FrameInput& in, const FrameMemory& memory, const PoseGate& gate,
@@ -48,30 +94,53 @@ CapsuleSources PlaceCapsules(const FrameInput& in, const FrameMemory& memory, co
                              uint32_t character) {
   CapsuleSources sources{};
   params.capsule_count = 0;
-  const PaletteBlock* palette = nullptr;
-  uint32_t palette_of = 0;
+  JointPlaces joints{memory, gate, origins, character};
   for (uint32_t c = 0; c < in.capsule_count; ++c) {
     const CapsuleCollider& capsule = in.capsule[c];
     float from[3], to[3];
     if (capsule.joint == CapsuleCollider::kFree) {
       std::copy_n(capsule.from, 3, from);
       std::copy_n(capsule.to, 3, to);
-    } else {
-      if (!palette || palette_of != capsule.character)
-        palette = &gate.PaletteOf(memory, palette_of = capsule.character);
-      const auto& skeleton = *memory.Of<&Streams::skeleton>(capsule.character);
-      const auto& matrix = palette->matrix[capsule.joint];
-      const Offset offset =
-          origins.empty() ? Offset{}
-                          : OffsetBetween(origins[capsule.character].used, origins[character].used);
-      if (!PlaceEnd(capsule.from, skeleton, matrix, capsule.joint, offset, from) ||
-          !PlaceEnd(capsule.to, skeleton, matrix, capsule.joint, offset, to))
-        continue;
+    } else if (!joints.Find(capsule.character, capsule.joint, capsule.from, from) ||
+               !joints.Find(capsule.character, capsule.joint, capsule.to, to)) {
+      continue;
     }
     sources[params.capsule_count] = c;
     params.capsule[params.capsule_count++] = Span(from, to, capsule.radius);
   }
   return sources;
+}
+
+ForceParams PlaceForces(const FrameInput& in, const FrameMemory& memory, const PoseGate& gate,
+                        std::span<const CharacterOrigin> origins, uint32_t character) {
+  ForceParams params;
+  JointPlaces joints{memory, gate, origins, character};
+  for (uint32_t f = 0; f < in.force_count; ++f) {
+    const ForceVolume& force = in.force[f];
+    const auto find = [&](const float(&point)[3], double(&placed)[3]) {
+      if (force.joint != ForceVolume::kFree)
+        return joints.Find(force.character, force.joint, point, placed);
+      std::copy_n(point, 3, placed);
+      return true;
+    };
+    if (Place(force, find, params.force[params.count]))
+      ++params.count;
+    else
+      params.force[params.count] = {};
+  }
+  return params;
+}
+
+bool Touches(const PlacedForce& force, const BoundsBlock& box) {
+  for (const auto& row : force.own) {
+    double middle = row[3], reach = 1.0;
+    for (int k = 0; k < 3; ++k) {
+      middle += double(row[k]) * 0.5 * (double(box.low[k]) + double(box.high[k]));
+      reach += std::abs(double(row[k])) * 0.5 * (double(box.high[k]) - double(box.low[k]));
+    }
+    if (!(std::abs(middle) <= reach)) return false;
+  }
+  return true;
 }
 
 namespace {

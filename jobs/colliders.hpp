@@ -1,4 +1,4 @@
-// Where a frame's colliders are, and how they came there.
+// Where a frame's colliders and force volumes are, and how colliders came there.
 #pragma once
 
 #include <array>
@@ -10,6 +10,10 @@
 #include "jobs/pose_gate.hpp"
 
 namespace pelt {
+
+struct BoundsBlock;
+struct ForceParams;  // core/kernels/wind.hpp
+struct PlacedForce;
 
 // Where a frame's capsules are: free ones where the input says, bound ones where their joint's pose
 // takes them.
@@ -31,6 +35,13 @@ using CapsuleSources = std::array<uint32_t, kCapsulesPerScene>;
 CapsuleSources PlaceCapsules(const FrameInput& input, const FrameMemory& memory,
                              const PoseGate& gate, SimulateParams& params,
                              std::span<const CharacterOrigin> origins = {}, uint32_t character = 0);
+
+// Likewise of its force volumes.
+ForceParams PlaceForces(const FrameInput& input, const FrameMemory& memory, const PoseGate& gate,
+                        std::span<const CharacterOrigin> origins = {}, uint32_t character = 0);
+
+// Whether the volume may reach into the box: by its own axes alone, so not always where it says so.
+bool Touches(const PlacedForce& force, const BoundsBlock& box);
 
 // How the frame's colliders came to where they are, from frame to frame: their velocities, or for
 // capsules bound to joints the last frame's pose.

@@ -77,6 +77,20 @@ const char* FindObstacleFault(const FrameInput& in) {
   return nullptr;
 }
 
+// Of what may be bound to a joint: writes the reason to `text`; null where there is none.
+template <class Bound>
+const char* FindBindingFault(const char* what, uint32_t number, const Bound& bound,
+                             const SceneShape& shape, const PoseGate& gate, std::string& text) {
+  if (bound.joint == Bound::kFree) return nullptr;
+  if (bound.character >= shape.character_count)
+    return Say(text, "{} {}: bound to character {}, the scene has {}", what, number,
+               bound.character, shape.character_count);
+  if (const uint32_t joints = gate.JointCount(bound.character); bound.joint >= joints)
+    return Say(text, "{} {}: bound to joint {} of character {}, which has {}", what, number,
+               bound.joint, bound.character, joints);
+  return nullptr;
+}
+
 // Writes the reason to `text`; null where there is none.
 const char* FindCapsuleFault(const FrameInput& in, const SceneShape& shape, const PoseGate& gate,
                              std::string& text) {
@@ -90,13 +104,33 @@ const char* FindCapsuleFault(const FrameInput& in, const SceneShape& shape, cons
       return Say(text, "capsule {}: its radius is {}, not in [0, 1e6] m", c, capsule.radius);
     if (!AreUsable(capsule.from_velocity, 3) || !AreUsable(capsule.to_velocity, 3))
       return Say(text, "capsule {}: the velocity of an end {}", c, kNotUsable);
-    if (capsule.joint == CapsuleCollider::kFree) continue;
-    if (capsule.character >= shape.character_count)
-      return Say(text, "capsule {}: bound to character {}, the scene has {}", c, capsule.character,
-                 shape.character_count);
-    if (const uint32_t joints = gate.JointCount(capsule.character); capsule.joint >= joints)
-      return Say(text, "capsule {}: bound to joint {} of character {}, which has {}", c,
-                 capsule.joint, capsule.character, joints);
+    if (const char* what = FindBindingFault("capsule", c, capsule, shape, gate, text)) return what;
+  }
+  return nullptr;
+}
+
+// Writes the reason to `text`; null where there is none.
+const char* FindForceFault(const FrameInput& in, const SceneShape& shape, const PoseGate& gate,
+                           std::string& text) {
+  constexpr const char* kWhat = "force volume";
+  if (in.force_count > kForceVolumesPerScene)
+    return Say(text, "{} {}s, a scene holds {}", in.force_count, kWhat, kForceVolumesPerScene);
+  for (uint32_t f = 0; f < in.force_count; ++f) {
+    const ForceVolume& v = in.force[f];
+    if (!AreUsable(v.centre, 3)) return Say(text, "{} {}: its centre {}", kWhat, f, kNotUsable);
+    for (const float half : v.half)
+      if (!IsWithin(half, kShortestFalloff_m, kLargestInput))
+        return Say(text, "{} {}: half of a side is {}, not in [1e-3, 1e6] m", kWhat, f, half);
+    if (v.shape >= kForceShapes)
+      return Say(text, "{} {}: its shape is {}, there are {}", kWhat, f, v.shape, kForceShapes);
+    if (v.kind >= kForceKinds)
+      return Say(text, "{} {}: its kind is {}, there are {}", kWhat, f, v.kind, kForceKinds);
+    if (!IsUnit(v.direction)) return Say(text, "{} {}: its direction is not unit", kWhat, f);
+    if (!AreUsable(&v.strength, 1))
+      return Say(text, "{} {}: its strength is {}, beyond 1e6 m/s^2", kWhat, f, v.strength);
+    if (!IsWithin(v.hardness, 0.0f, 1.0f))
+      return Say(text, "{} {}: its hardness is {}, not in [0, 1]", kWhat, f, v.hardness);
+    if (const char* what = FindBindingFault(kWhat, f, v, shape, gate, text)) return what;
   }
   return nullptr;
 }
@@ -212,10 +246,13 @@ const char* FindInputFault(const FrameInput& in, const SceneShape& shape, const 
   if (const char* camera = FindCameraRangeFault(in.camera)) return fault("camera: {}", camera);
   if (!AreUsable(in.gravity, 3)) return fault("gravity {}", kNotUsable);
   if (const char* what = FindWindFault(in.wind)) return fault("wind: {}", what);
+  if (in.wind.kind >= kWindKinds)
+    return fault("wind: its kind is {}, there are {}", in.wind.kind, kWindKinds);
   if (const char* what = FindObstacleFault(in)) return fault("{}", what);
   if (const char* what = FindCapsuleFault(in, shape, gate, text)) return what;
   if (const char* what = FindLightingFault(in.lighting, text)) return what;
   if (const char* what = FindBrushFault(in, text)) return what;
+  if (const char* what = FindForceFault(in, shape, gate, text)) return what;
   if (const char* what = FindLodFault(in.lod)) return fault("lod: {}", what);
   if (const char* what = FindLayerFault(in, shape, text)) return what;
   if (!in.weather.empty() && in.weather.size() != shape.character_count)

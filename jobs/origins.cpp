@@ -47,6 +47,8 @@ void MovePlaces(const Offset& offset, FrameInput& input) {
     MovePlace(offset, capsule.from);
     MovePlace(offset, capsule.to);
   }
+  for (uint32_t f = 0; f < input.force_count; ++f)
+    if (input.force[f].joint == ForceVolume::kFree) MovePlace(offset, input.force[f].centre);
   Lighting& lighting = input.lighting;
   for (uint32_t l = 0; l < lighting.light_count; ++l) MovePlace(offset, lighting.light[l].position);
   for (uint32_t s = 0; s < lighting.sample_count; ++s)

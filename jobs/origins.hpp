@@ -52,8 +52,8 @@ inline Offset OffsetBetween(const double (&from)[3], const double (&to)[3]) {
   return {{to[0] - from[0], to[1] - from[1], to[2] - from[2]}};
 }
 
-// Obstacles, lights and brushes. Capsules that are bound to joints are relative to their character's
-// origin, and stay; the camera's place among floats is too coarse to be moved: MoveView.
+// Obstacles, lights, brushes and force volumes. What is bound to joints is relative to its character's
+// origin, and stays; the camera's place among floats is too coarse to be moved: MoveView.
 void MovePlaces(const Offset& offset, FrameInput& input);
 void MoveView(const Offset& offset, View& view);
 

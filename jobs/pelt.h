@@ -196,6 +196,24 @@ typedef struct PeltStrandWrite {
   uint32_t film_strip;              /* below 256 */
 } PeltStrandWrite;
 
+enum PeltWindKind { PELT_GUSTS = 0, PELT_PUBLISHED_WIND = 1 };
+enum PeltForceShape { PELT_FORCE_BALL = 0, PELT_FORCE_BOX = 1 };
+enum PeltForceKind { PELT_FORCE_PUSH = 0, PELT_FORCE_PULL = 1 };
+
+/* Pushes the strands whose roots it holds along a direction, or pulls them to its centre, beside gravity and
+ * wind. Free: centre, sides and direction in the world, m. Bound to a joint: the centre where the joint's own
+ * space has it, in the units of the character file; sides and direction along the joint's axes. */
+typedef struct PeltForce {
+  float centre[3];
+  float half[3];        /* radii of a ball, half the sides of a box; m, free or bound; from 1e-3 on */
+  uint32_t shape, kind; /* PeltForceShape, PeltForceKind */
+  float direction[3];   /* unit, of a pull too */
+  float strength;       /* m/s^2; below 0: the other way */
+  float hardness;       /* 0 to 1: share of the way out that has all of it; at the surface there is none */
+  uint32_t character;   /* whose joint it is */
+  uint32_t joint;       /* or PELT_FREE */
+} PeltForce;
+
 /* Places and directions are the world's: right-handed, metres. jobs/README.md has a table of all that
  * a frame is given. */
 typedef struct PeltFrame {
@@ -214,6 +232,7 @@ typedef struct PeltFrame {
   float gust_period_s;      /* of the slowest sine; from 1e-3 on */
   float turbulence;         /* most that an eddy adds along an axis, m/s */
   float turbulence_scale_m; /* size of an eddy; from 1e-3 on */
+  uint32_t wind_kind;       /* PeltWindKind */
   int use_ground;
   float ground[4];           /* n.x + d >= 0 is above; n is unit */
   uint32_t sphere_count;     /* at most 8 */
@@ -232,6 +251,8 @@ typedef struct PeltFrame {
   float rim_direction[3], rim_rgb[3], rim_exponent; /* the side that has the rim, unit */
   uint32_t brush_count;                             /* at most 16 */
   const PeltBrush* brushes;
+  uint32_t force_count; /* at most 8 */
+  const PeltForce* forces;
   /* Wetness and dirt, 0 to 1, of each character; NULL: dry and clean. */
   const float (*weather)[2];
   /* Of each layer (pelt_layer_count), a factor on its size on the screen as level of detail and budgets see it:
@@ -263,6 +284,14 @@ typedef struct PeltFrame {
 
 /* Fills in what a frame has unless the caller sets it otherwise. */
 void pelt_default_frame(PeltFrame* frame);
+
+/* The published wind of a frame, for a vertex shader that works it out (PublishedWind of shaders/fur_vertex.glsl).
+ * Waves: strength, m/s; turns a metre; turns at 0. `origin`: the draw's; NULL: 0. All 0 for another kind of wind. */
+typedef struct PeltWindWaves {
+  float mean[3]; /* m/s */
+  float along_x[3], along_z[3];
+} PeltWindWaves;
+void pelt_wind_waves(const PeltFrame* frame, const double origin[3], PeltWindWaves* waves);
 
 /* Takes poses and input. The frame must then be run, once. */
 const char* pelt_begin(PeltScene* scene, const PeltFrame* frame);

@@ -69,6 +69,7 @@ FurScene::FurScene(const SceneOptions& options, SceneLayout layout)
       layout_(std::move(layout)),
       params_(options.origins ? layout_.shape.character_count : 1),
       relights_(params_.size(), 0),
+      force_changes_(params_.size(), 0),
       colliders_(params_.size()),
       given_origins_(options.origins ? 3 * size_t(layout_.shape.character_count) : 0),
       origins_(options.origins ? layout_.shape.character_count : 0),
@@ -385,17 +386,18 @@ bool FurScene::ReplaceGrooms(std::span<const Groom* const> grooms, const char** 
 uint64_t FurScene::HeapBytes() const {
   const auto bytes = [](const auto& v) { return uint64_t(v.capacity()) * sizeof(v[0]); };
   const SceneShape& shape = layout_.shape;
-  uint64_t sum =
-      sizeof(FurScene) + bytes(params_) + bytes(relights_) + bytes(colliders_) +
-      bytes(given_origins_) + bytes(origins_) + bytes(scales_) + bytes(scale_notes_) +
-      bytes(shape.layer_character) + bytes(shape.layer_first_patch) +
-      bytes(shape.layer_first_chunk) + bytes(shape.layer_kind) + bytes(shape.patch_layer) +
-      bytes(shape.chunk_layer) + bytes(layout_.ranges) + bytes(memory_.streams) +
-      bytes(plan_.stages) + bytes(plan_.passes) + plan_.graph.HeapBytes() + bytes(layer_names_) +
-      bytes(layer_params_) + bytes(modal_) + bytes(layer_length_max_) + bytes(layer_strands_) +
-      bytes(layer_vertices_) + bytes(demands_) + bytes(demand_order_) + bytes(layer_simulates_) +
-      bytes(layer_curled_) + bytes(written_) + bytes(replaced_) + bytes(draws_) + bytes(fault_) +
-      bytes(strand_textures_) + carried_.HeapBytes() + pose_gate_.HeapBytes();
+  uint64_t sum = sizeof(FurScene) + bytes(params_) + bytes(relights_) + bytes(colliders_) +
+                 bytes(given_origins_) + bytes(origins_) + bytes(scales_) + bytes(scale_notes_) +
+                 bytes(shape.layer_character) + bytes(shape.layer_first_patch) +
+                 bytes(shape.layer_first_chunk) + bytes(shape.layer_kind) +
+                 bytes(shape.patch_layer) + bytes(shape.chunk_layer) + bytes(layout_.ranges) +
+                 bytes(memory_.streams) + bytes(plan_.stages) + bytes(plan_.passes) +
+                 plan_.graph.HeapBytes() + bytes(layer_names_) + bytes(layer_params_) +
+                 bytes(modal_) + bytes(layer_length_max_) + bytes(layer_strands_) +
+                 bytes(layer_vertices_) + bytes(demands_) + bytes(demand_order_) +
+                 bytes(layer_simulates_) + bytes(layer_curled_) + bytes(written_) +
+                 bytes(replaced_) + bytes(draws_) + bytes(fault_) + bytes(strand_textures_) +
+                 bytes(force_changes_) + carried_.HeapBytes() + pose_gate_.HeapBytes();
   for (const StreamPlace& place : memory_.streams) sum += bytes(place.slot);
   for (const Pass& pass : plan_.passes) sum += bytes(pass.streams) + bytes(pass.waits);
   for (const std::string& name : layer_names_) sum += bytes(name);

@@ -291,6 +291,7 @@ class FurScene {
   }
   bool FillView(uint32_t s, const FrameInput& input, const SelectLodParams& lod);
   void FillLayers(const FrameInput& input, Air air);
+  bool IsPushed(uint32_t layer) const;
   ModalQuality LayerQuality(uint32_t layer, const FrameInput& input) const;
   View LayerView(uint32_t layer, const FrameInput& input) const;
   void FindBudget(const FrameInput& input);
@@ -327,6 +328,7 @@ class FurScene {
   std::vector<FrameParams>
       params_;                     // one for all characters, or, where they have origins, for each
   std::vector<uint8_t> relights_;  // of each, in this frame: every lit layer is lit again
+  std::vector<uint8_t> force_changes_;     // of each: force volumes are not where they were
   std::vector<ColliderCourse> colliders_;  // of each
   std::vector<double> given_origins_;      // of characters, three each; empty: they have none
   std::vector<CharacterOrigin> origins_;   // likewise

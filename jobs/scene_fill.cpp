@@ -75,6 +75,8 @@ void FurScene::FillFrame(const FrameInput& input) {
   ForEachSet(input, [this](uint32_t s, const FrameInput& in) {
     params_[s].paint_strands = MakePaintStrandsParams({in.brush, in.brush_count});
     relights_[s] = FillLights(s, in);
+    force_changes_[s] =
+        Replace(params_[s].wind.forces, PlaceForces(in, memory_, pose_gate_, origins_, s));
   });
   FindBudget(input);
   FillLayers(input, air);
@@ -176,6 +178,21 @@ bool FurScene::FillLights(uint32_t s, const FrameInput& input) {
          memory_.restored;
 }
 
+// By the box of the last frame, as this frame's is made in it: fur that is carried into a volume feels it a frame
+// later.
+bool FurScene::IsPushed(uint32_t layer) const {
+  const ForceParams& forces = params_[SetOf(layer)].wind.forces;
+  if (forces.count == 0 || first_frame_) return false;
+  BoundsBlock box = *memory_.Of<&Streams::bounds>(layer);
+  if (!origins_.empty())
+    for (int k = 0; k < 3; ++k) {
+      box.low[k] -= origins_[SetOf(layer)].shift[k];
+      box.high[k] -= origins_[SetOf(layer)].shift[k];
+    }
+  return std::any_of(forces.force, forces.force + forces.count,
+                     [&box](const PlacedForce& force) { return Touches(force, box); });
+}
+
 void FurScene::FillLayers(const FrameInput& input, Air air) {
   const double dt_s = StepOf(input);
   for (uint32_t l = 0; l < shape().layer_count; ++l) {
@@ -194,12 +211,13 @@ void FurScene::FillLayers(const FrameInput& input, Air air) {
           LayerQuality(l, input), dt_s, rates, {modal_.data(), l}, tables, tables + l);
       push_ratio = modal_[l].push_ratio();
     }
+    const bool pushed = IsPushed(l);
     block = FillLayerBlock(layer_params_[l], weather, float(dt_s), input.gravity, air,
                            layer_strands_[l], layer_length_max_[l],
                            layer_simulates_[l] != 0 && input.dt_s > 0.0,
-                           first_frame_ ? nullptr : &block, scales_[character], push_ratio);
-    if (table_changed) block.changed = 1;
+                           first_frame_ ? nullptr : &block, scales_[character], push_ratio, pushed);
     const uint32_t set = SetOf(l);
+    if (table_changed || (pushed && force_changes_[set])) block.changed = 1;
     if (relights_[set] && (block.flags & kLayerLit)) block.flags |= kLayerRelight;
     if (params_[set].paint_strands.count > 0 && (block.flags & kLayerPainted))
       block.flags |= kLayerBrushed;
@@ -322,9 +340,12 @@ void FurScene::FillParams(uint32_t s, const FrameInput& given, const FrameInput&
   const bool simulate_changed = Replace(to.simulate, simulate);
 
   const bool apart = !origins_.empty();
-  if (air != Air::kLeftOut)
+  // Still air has to be there where forces push.
+  if (const ForceParams forces = to.wind.forces; air != Air::kLeftOut || forces.count > 0) {
     to.wind = apart ? MakeWindParams(in.wind, in.time_s, origins_[s].used)
                     : MakeWindParams(in.wind, in.time_s);
+    to.wind.forces = forces;
+  }
   // A character may stand still where its origin moves, and what is left out of a frame is relative to
   // last frame's origin.
   const bool shifts = apart && (origins_[s].shifted || origins_[s].was_shifted);

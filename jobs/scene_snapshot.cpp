@@ -247,7 +247,7 @@ bool HaveRoom(const FrameParams& p) {
          p.simulate.capsule_count <= kCapsulesPerScene &&
          p.light_layer.lighting.light_count <= kLightsPerScene &&
          p.light_layer.lighting.sample_count <= kIrradianceSamplesPerScene &&
-         p.paint_strands.count <= kBrushesPerScene;
+         p.paint_strands.count <= kBrushesPerScene && p.wind.forces.count <= kForceVolumesPerScene;
 }
 
 }  // namespace

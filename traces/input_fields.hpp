@@ -4,8 +4,8 @@
 //
 // An archive is called with each field's name and the field: double, float, uint32_t, bool, or an
 // array of floats. Spheres (as many as sphere_count says), capsules, lights, irradiance samples,
-// brushes and weather follow; each user lists them after checking the count. Colliders' velocities, and lists
-// about layers and strands, stand apart, at a recording's end.
+// brushes, force volumes and weather follow; each user lists them after checking the count. Colliders' velocities, and
+// lists about layers and strands, stand apart, at a recording's end.
 #pragma once
 
 #include "core/frame_input.hpp"
@@ -61,12 +61,14 @@ void ListInputFields(auto&& archive, auto& in, uint32_t version = kInputLogVersi
     archive("lod.costs.strand_ns", in.lod.costs.strand_ns);
     archive("lod.costs.node_ns", in.lod.costs.node_ns);
   }
+  if (version >= 10) archive("wind.kind", in.wind.kind);
   // The counts are last.
   archive("sphere_count", in.sphere_count);
   if (version >= 2) archive("capsule_count", in.capsule_count);
   if (version >= 3) archive("light_count", in.lighting.light_count);
   if (version >= 3) archive("irradiance_sample_count", in.lighting.sample_count);
   if (version >= 4) archive("brush_count", in.brush_count);
+  if (version >= 10) archive("force_count", in.force_count);
 }
 
 // One capsule. `archive` is called with "from", "to" and so on.
@@ -101,6 +103,18 @@ void ListBrushFields(auto&& archive, auto& brush) {
   archive("amount", brush.amount);
 }
 
+void ListForceFields(auto&& archive, auto& force) {
+  archive("centre", force.centre);
+  archive("half", force.half);
+  archive("shape", force.shape);
+  archive("kind", force.kind);
+  archive("direction", force.direction);
+  archive("strength", force.strength);
+  archive("hardness", force.hardness);
+  archive("character", force.character);
+  archive("joint", force.joint);
+}
+
 // All of whom there may be more than one, as many as the counts say. `archive` is called with a
 // name, its number and the field: ("capsule", 2, "radius", value); of a sphere without the field.
 void ListCountedFields(auto&& archive, auto& in) {
@@ -116,6 +130,8 @@ void ListCountedFields(auto&& archive, auto& in) {
   for (uint32_t s = 0; s < lighting.sample_count; ++s)
     ListIrradianceFields(each("irradiance sample", s), lighting.sample[s]);
   for (uint32_t b = 0; b < in.brush_count; ++b) ListBrushFields(each("brush", b), in.brush[b]);
+  for (uint32_t f = 0; f < in.force_count; ++f)
+    ListForceFields(each("force volume", f), in.force[f]);
 }
 
 // Velocities of the colliders, `archive` called as above. A recording has them only for frames in

@@ -215,7 +215,8 @@ void CheckInputCounts(Reader& reader, const FrameInput& in, uint32_t version) {
                 {in.capsule_count, kCapsulesPerScene, "capsules", 2},
                 {in.lighting.light_count, kLightsPerScene, "lights", 3},
                 {in.lighting.sample_count, kIrradianceSamplesPerScene, "irradiance samples", 3},
-                {in.brush_count, kBrushesPerScene, "brushes", 4}};
+                {in.brush_count, kBrushesPerScene, "brushes", 4},
+                {in.force_count, kForceVolumesPerScene, "force volumes", 10}};
   size_t at = reader.At();
   for (const auto& c : counts) at -= version >= c.since ? 4 : 0;
   for (const auto& c : counts) {
@@ -325,7 +326,7 @@ void ReadLists(Reader& reader, InputLog& log) {
   }
 }
 
-// Of a frame without spheres, capsules, lights, brushes, weather and poses.
+// Of a frame without spheres, capsules, lights, brushes, force volumes, weather and poses.
 uint64_t LeastFrameBytes(uint32_t characters, const InputLog& log) {
   std::vector<std::byte> input;
   Writer writer{input};

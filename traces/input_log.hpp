@@ -43,7 +43,8 @@ namespace pelt {
 
 // 1: without capsules, 2: without lights, 3: without brushes, 4: without velocities, 5: without
 // origins, a modal quality by size on the screen and velocities of colliders, 6: without a snapshot,
-// 7: all chains simulated, 8: without a budget of time, 9: without lists; all still read.
+// 7: all chains simulated, 8: without a budget of time, 9: without lists, kinds of wind and force volumes; all still
+// read.
 inline constexpr uint32_t kInputLogVersion = 10;
 
 // The joints in use of a PoseBlock.
@@ -118,7 +119,7 @@ struct InputLog {
 };
 
 // The text of a failure is "input log 'name': frame 3, byte 1234: reason"; the byte counts from the
-// start of the file. Holds at most ten times the size of `bytes` in memory, and 64 KiB.
+// start of the file. Holds at most twenty times the size of `bytes` in memory, and 64 KiB.
 Result<InputLog> ReadInputLog(std::span<const std::byte> bytes, const std::string& name);
 Result<InputLog> ReadInputLogFile(const std::string& path);
 

@@ -153,6 +153,7 @@ const char* InputLogWriter::AddFrame(const FrameInput& input, std::span<const Po
   if (input.brush_count > kBrushesPerScene) return "more brushes than a scene can have";
   if (input.importance.size() > kLayersPerScene)
     return "importance of more layers than a scene has";
+  if (input.force_count > kForceVolumesPerScene) return "more force volumes than a scene can have";
   for (const PoseBlock& pose : poses)
     if (pose.joint_count > kJointsPerCharacter)
       return "a pose of more joints than a character can have";

@@ -81,9 +81,9 @@ struct InputChange {
 // that move hair, characters and joints in rotation, and every such joint at least once, and once
 // as it turns and does nothing else. Besides single numbers: spheres and capsules that come and go,
 // one over an edge of each layer's box, lights that leave, origins that move, wind that grows from
-// next to none, an eye that moves where no depth changes, strands that leave by whole groups of lanes, layers that
-// are switched off or matter less, strands that are cut off or written. Left out are the
-// switches that change the picture (culling, LOD) and the number of joints.
+// next to none, force volumes that come, grow and are carried, an eye that moves where no depth changes, strands that
+// leave by whole groups of lanes, layers that are switched off or matter less, strands that are cut off or written.
+// Left out are the switches that change the picture (culling, LOD) and the number of joints.
 std::vector<InputChange> ListInputChanges(const FrameInput& input, const FurScene& scene);
 
 // ---- Culling: what is seen ----------------------------------------------------------------------

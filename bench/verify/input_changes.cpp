@@ -21,18 +21,20 @@ namespace {
 [[maybe_unused]] void EveryInputIsListed(const FrameInput& in) {
   [[maybe_unused]] const auto& [dt, time, origin, camera, wind, gravity, use_ground, ground,
                                 ground_speed, spheres, sphere, sphere_speed, capsules, capsule,
-                                weather, importance, cut, strands, lighting, brushes, brush, lod,
-                                skip] = in;
+                                weather, importance, cut, strands, lighting, brushes, brush, forces,
+                                force, lod, skip] = in;
   [[maybe_unused]] const auto& [of_layer, strand, base, tip, width, strip] = StrandWrite{};
   [[maybe_unused]] const auto& [centre, brush_radius, hardness, channel, amount] = brush[0];
   [[maybe_unused]] const auto& [from, to, radius, character, joint, from_speed, to_speed] =
       capsule[0];
+  [[maybe_unused]] const auto& [force_at, half, shape, kind, towards, strength, edge, whose, its] =
+      force[0];
   [[maybe_unused]] const auto& [lights, samples, light, sample, sun, sun_rgb, rim, rim_rgb,
                                 exponent] = lighting;
   [[maybe_unused]] const auto& [light_at, light_radius, rgb, range] = light[0];
   [[maybe_unused]] const auto& [sample_at, falloff, sky, below, above] = sample[0];
   static_assert(sizeof(camera) == 14 * sizeof(float));  // its eye has two names, and so no binding
-  [[maybe_unused]] const auto& [velocity, gusts, period, turbulence, scale] = wind;
+  [[maybe_unused]] const auto& [velocity, gusts, period, turbulence, scale, course] = wind;
   [[maybe_unused]] const auto& [detail, least, hysteresis, fade, chains, budget, fast, micros,
                                 worst, costs] = lod;
   [[maybe_unused]] const auto& [of_chunk, of_vertex, of_strand, of_node] = costs;
@@ -280,10 +282,12 @@ void AddOverEdges(const FrameInput& input, const FurScene& scene,
   }
 }
 
+constexpr float kTooWeak = 1.0e-20f;  // m/s, or m/s^2: moves no bit
+
 // Wind has a chunk awake because it blows, not because it changed. One too weak to move a bit lets
 // every step give back its state, as in a long constant wind: only then is that rule looked at.
 void AddWind(std::vector<InputChange>& changes) {
-  constexpr float kTooWeak = 1.0e-20f, kStrong = 5.0f;  // m/s
+  constexpr float kStrong = 5.0f;  // m/s
   const auto blow = [](FrameInput& in, float speed) {
     in.wind = {};
     in.wind.velocity[0] = speed;
@@ -317,6 +321,34 @@ void AddLists(const FurScene& scene, std::vector<InputChange>& changes) {
   std::vector<uint8_t> cut(size_t(kStrandsPerChunk) * shape.chunk_count);
   for (size_t place = 0; place < cut.size(); place += 3) cut[place] = 1;
   add("strands cut off", InputChange::Part::kFrame, std::move(cut), &FrameInput::cut);
+}
+
+// In each layer one of: a volume that comes and goes, one that was there already and pulls more, one on a joint.
+void AddForces(const FurScene& scene, std::vector<InputChange>& changes) {
+  for (uint32_t l = 0; l < scene.shape().layer_count; ++l) {
+    if (!(scene.memory().Of<&Streams::layers>(l)->flags & kLayerSimulate)) continue;
+    const BoundsBlock& box = *scene.memory().Of<&Streams::bounds>(l);
+    const std::array<double, 3> from = scene.OriginOfLayer(l);
+    ForceVolume force;
+    force.kind = l % 2;
+    force.shape = l / 2 % 2;
+    force.character = scene.shape().layer_character[l];
+    if (l % 3 == 2) force.joint = scene.memory().Of<&Streams::layer_joints>(l)->joint[0];
+    for (size_t k = 0; k < 3; ++k) {
+      const double middle = 0.5 * (double(box.low[k]) + double(box.high[k])) + from[k];
+      force.centre[k] = l % 3 == 2 ? 0.0f : float(middle);
+      force.half[k] = 0.3f * (box.high[k] - box.low[k]) + 1.0e-3f;
+    }
+    const auto pull = [force](FrameInput& in, float strength) {
+      in.force[0] = force;
+      in.force[0].strength = strength;
+      in.force_count = 1;
+    };
+    changes.push_back({fmt::format("a force volume in layer {}", l), InputChange::Part::kFrame,
+                       InputChange::Type::kOneWay,
+                       [pull](FrameInput& in, FurScene&, Amount) { pull(in, 5.0f); }});
+    if (l % 3 == 1) changes.back().around = [pull](FrameInput& in) { pull(in, kTooWeak); };
+  }
 }
 
 // The camera looks along an axis and moves across it: no strand's depth changes, so no sort key
@@ -390,6 +422,7 @@ std::vector<InputChange> ListInputChanges(const FrameInput& input, const FurScen
   AddOverEdges(input, scene, changes);
   AddOrigins(scene, changes);
   AddWind(changes);
+  AddForces(scene, changes);
   AddEye(changes);
   AddThinning(input, scene, changes);
   AddLists(scene, changes);

@@ -141,6 +141,25 @@ void DrawAir(Random& random, Scenario& scenario) {
   scenario.weather_course.from_frame = random.Below(kDrawnFrames);
 }
 
+void DrawForces(Random& random, Scenario& scenario) {
+  FrameInput& base = scenario.base;
+  if (random.Below(2)) base.force_count = random.Below(4);
+  for (uint32_t f = 0; f < base.force_count; ++f) {
+    ForceVolume& force = base.force[f];
+    DrawPlace(random, force.centre);
+    Draw(random, 0.05, 1.0, force.half);
+    force.shape = random.Below(kForceShapes), force.kind = random.Below(kForceKinds);
+    DrawUnit(random, force.direction);
+    Draw(random, -20.0, 20.0, force.strength);
+    Draw(random, 0.0, 1.0, force.hardness);
+    if (random.Below(2)) continue;
+    force.character = random.Below(uint32_t(scenario.actors.size()));
+    const uint32_t groom = scenario.actors[force.character].groom;
+    force.joint = random.Below(scenario.grooms[groom].joint_count);
+  }
+  base.wind.kind = random.Below(3) == 0 ? uint32_t(WindKind::kPublished) : 0;
+}
+
 void DrawCamera(Random& random, Scenario& scenario) {
   CameraOrbit& orbit = scenario.camera;
   DrawPlace(random, &orbit.target[0]);
@@ -159,7 +178,7 @@ void DrawCamera(Random& random, Scenario& scenario) {
 // What holds for some frames alone.
 struct Spans {
   Span ground, wind, speeds, rates, lights, last_light, brushes, spheres, aside, bad_pose,
-      importance, cut, writes;
+      importance, cut, writes, forces;
   std::vector<float> importances;
   std::vector<uint8_t> cuts;
   std::vector<StrandWrite> strands;
@@ -187,6 +206,7 @@ void RunCourse(const Spans& spans, uint32_t frame, FurScene& scene, FrameInput& 
   if (spans.importance.Holds(frame)) in.importance = spans.importances;
   if (spans.cut.Holds(frame)) in.cut = spans.cuts;
   if (spans.writes.Holds(frame)) in.strands = spans.strands;
+  if (!spans.forces.Holds(frame)) in.force_count = 0;
   Camera& camera = in.camera;
   if (spans.aside.Holds(frame))
     for (int c = 0; c < 3; ++c) camera.target[c] = 2.0f * camera.eye[c] - camera.target[c];
@@ -247,6 +267,8 @@ void DrawCourse(Random& random, Scenario& scenario) {
   constexpr double kSteps[] = {1.0 / 60.0, 1.0 / 60.0, 1.0 / 30.0, 1.0 / 144.0};
   spans.dt_s = kSteps[random.Below(4)];
   scenario.dt_s = spans.dt_s;
+  DrawForces(random, scenario);  // behind what was drawn before there were any
+  spans.forces = DrawSpan(random);
   scenario.keeps_poses = true;
   scenario.more = [spans](uint32_t frame, FurScene& scene, FrameInput& in) {
     RunCourse(spans, frame, scene, in);

@@ -137,6 +137,8 @@ const PageEntry kEntries[] = {
                                                                  "eddies"),
     Entry<[](PageSettings& s) { return &WindOf(s).turbulence_scale_m; }>(
         "turbulence_scale", "wind", "m", 0.05, 5, "size of an eddy"),
+    Switch<[](PageSettings& s) { return &WindOf(s).kind; }>(
+        "published_wind", "wind", "as Furry Scorpion had it: sines along x and z, swung by noise"),
     Entry<[](PageSettings& s) { return &s.scenario.base.gravity[1]; }>("gravity", "world", "m/s2",
                                                                        -30, 10, "upwards"),
     Switch<[](PageSettings& s) { return &s.scenario.base.use_ground; }>(

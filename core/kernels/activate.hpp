@@ -14,8 +14,8 @@
 //   stays. "As it was then" needs care in three places: a step that started lanes from the groom
 //   was not given the stored state, so whether state_changed is 0 says nothing after a restart or
 //   after new lanes; a changed live count moves the border of lanes that restart; wind varies with
-//   time, so what is in wind never sleeps. A layer without kLayerSimulate lies on its groom
-//   regardless of wind, dt, ground and spheres: it sleeps as soon as its roots rest.
+//   time, so what is in wind never sleeps; force volumes do not, so what they hold comes to rest. A layer without
+//   kLayerSimulate lies on its groom regardless of wind, dt, ground and spheres: it sleeps as soon as its roots rest.
 // - Fit is a function of roots, chain state, layer parameters and the LOD fade. It can be left out
 //   when none of those was written or changed. Strands that follow chains at vertices wake with the
 //   patches that those lie in.
@@ -132,8 +132,10 @@ PELT_INLINE uint32_t DecideStages(const ActivateParams& p, const LayerBlock& lay
                                   const Causes& causes) {
   const bool roots_changed = causes.restart || causes.grew || s.moved != 0 || s.was_moved != 0;
   // A layer that is not simulated lies on its groom and feels none of the frame's inputs.
-  const bool forced =
-      (layer.flags & kLayerSimulate) && ((layer.flags & kLayerWind) || p.frame_inputs_changed != 0);
+  // Force volumes alone do not vary with time: that they change, or that a layer's box comes to one, changes the layer.
+  const bool blown =
+      (layer.flags & (kLayerWind | kLayerPushed)) == kLayerWind || (layer.flags & kLayerBlows);
+  const bool forced = (layer.flags & kLayerSimulate) && (blown || p.frame_inputs_changed != 0);
   const bool settled = last.stepped_from_stored_state && !roots_changed && !causes.live_changed &&
                        layer.changed == 0;
   const bool may_sleep = settled && !forced && !last.state_changed && !causes.awake;

@@ -1,12 +1,13 @@
-// Wind at the chain roots: the day's wind with its gusts, and turbulence carried along by it.
+// Wind at the chain roots: the day's wind with its gusts, and turbulence carried along by it, or sines along two axes
+// in its place; and what force volumes push besides.
 //
-//   acceleration = response * (mean(t) + turbulence * noise(frequency * position + scroll(t)))
+//   acceleration = response * (mean(t) + turbulence * noise(frequency * position + scroll(t))) + push(position)
 //
 // Everything that needs time (sums of sines, the travelled way of the noise) is worked out once a
 // frame on the caller's thread by MakeWindParams; the kernel sees a place and a few numbers.
 //
-// Invariant: no wind gives exactly 0. What breaks if scroll is not wrapped by the noise's period:
-// after minutes the noise falls onto ever coarser floats.
+// Invariant: no wind gives exactly 0, and so does a place outside of all volumes. What breaks if scroll is not wrapped
+// by the noise's period: after minutes the noise falls onto ever coarser floats.
 #pragma once
 
 #include <string_view>
@@ -18,11 +19,36 @@
 
 namespace pelt {
 
+// A wave along an axis.
+struct WindSine {
+  float strength, turns_per_m, phase;  // m/s; whole turns a metre; turns at 0 m, 0 to 1
+};
+
+enum ForceFlag : uint32_t { kForceBox = 1u << 0, kForcePulls = 1u << 1 };
+
+// A force volume where it is in this frame.
+struct PlacedForce {
+  float own[3][4];  // rows that take a place to its own space, where it reaches from -1 to 1
+  float push[3];    // m/s^2; or, with kForcePulls, the place that it pulls to, m
+  float pull;       // m/s^2, with kForcePulls
+  float steepness;  // share of its strength gained for each share of the way in from its surface
+  uint32_t flags;   // ForceFlag
+};
+
+// `count` of them; zero behind, as frames are compared bit for bit.
+struct ForceParams {
+  uint32_t count = 0;
+  PlacedForce force[kForceVolumesPerScene] = {};
+};
+
 struct WindParams {
   float direction_speed[3];  // mean wind of this frame, gusts included, m/s
   float turbulence;          // largest component that the noise adds, m/s
   float frequency;           // noise cells a metre
   float scroll[3];           // noise offset of this frame, cells, in [0, kPerlinPeriod)
+  uint32_t published = 0;    // not 0: WindKind::kPublished, and `sine` blows along x and z
+  WindSine sine[2] = {};
+  ForceParams forces = {};  // of layers with kLayerPushed
 };
 
 // Wind of the moment `time_s` (0 or later), in core/wind_setup.cpp. Exact for weeks: phases are
@@ -128,6 +154,53 @@ PELT_INLINE Vec3<V> PerlinVector(Vec3<V> p) {
   return Lerp(lower, upper, w) * V(2.0f / 3.0f);
 }
 
+namespace wind_detail {
+
+// Sine of so many whole turns, within 5e-6: the Taylor series in a quarter of one. Beyond a million it is clamped.
+template <class V>
+PELT_INLINE V SineOfTurns(V turns) {
+  const V limit(1048576.0f), half(0.5f), zero(0.0f);
+  turns = Clamp(turns, -limit, limit);
+  const V part = turns - Floor(turns + half);
+  const V size = Abs(part);
+  const V a = Min(size, half - size), square = a * a;
+  V sum = square * V(42.058693945f) - V(76.705859753f);
+  sum = sum * square + V(81.605249277f);
+  sum = sum * square - V(41.341702240f);
+  const V sine = a * (sum * square + V(6.283185307f));
+  return Select(part < zero, zero - sine, sine);
+}
+
+// What all volumes together do at a place, m/s^2. Never -0, by which what is outside would lose bits.
+template <class V>
+__attribute__((noinline)) void FindPush(const ForceParams& params, const Vec3<V>& place,
+                                        Vec3<V>& sum) {
+  const V zero(0.0f), one(1.0f);
+  const Vec3<V> none = {zero, zero, zero};
+  sum = none;
+  for (uint32_t f = 0; f < params.count; ++f) {
+    const PlacedForce& force = params.force[f];
+    V square = zero, out = zero;
+    for (const auto& row : force.own) {
+      const Vec3<V> axis = {V(row[0]), V(row[1]), V(row[2])};
+      const V own = Dot(axis, place) + V(row[3]);
+      square = square + own * own;
+      out = Max(out, Abs(own));
+    }
+    if (!(force.flags & kForceBox)) out = Sqrt(square);
+    const V share = Clamp((one - out) * V(force.steepness), zero, one);
+    Vec3<V> push = {V(force.push[0]), V(force.push[1]), V(force.push[2])};
+    if (force.flags & kForcePulls) {
+      const Vec3<V> way = push - place;
+      push = NormalizeOr(way, none) * V(force.pull);
+    }
+    const Vec3<V> felt = push * share;
+    sum = sum + felt;
+  }
+}
+
+}  // namespace wind_detail
+
 // ---- The kernel ---------------------------------------------------------------------------------
 
 // Lanes are mesh vertices with kVertexChains, strands otherwise.
@@ -150,14 +223,31 @@ struct Wind {
     const Vec3<V> mean = {V(params.direction_speed[0]), V(params.direction_speed[1]),
                           V(params.direction_speed[2])};
     const Vec3<V> scroll = {V(params.scroll[0]), V(params.scroll[1]), V(params.scroll[2])};
+    const bool pushed = (ports.layer->flags & kLayerPushed) != 0;
     for (uint32_t lane = 0; lane < lanes; lane += V::kLanes) {
       Vec3<V> wind = mean;
       if (params.turbulence != 0.0f) {
         const Vec3<V> place = Load3<V>(ports.roots->position, lane) * V(params.frequency) + scroll;
         wind = wind + PerlinVector(place) * V(params.turbulence);
       }
-      Store3<V>(ports.wind->acceleration, lane, wind * response);
+      if (params.published != 0) AddSines(params.sine, Load3<V>(ports.roots->position, lane), wind);
+      Vec3<V> push, acceleration = wind * response;
+      if (pushed) {
+        wind_detail::FindPush(params.forces, Load3<V>(ports.roots->position, lane), push);
+        acceleration = acceleration + push;
+      }
+      Store3<V>(ports.wind->acceleration, lane, acceleration);
     }
+  }
+
+ private:
+  static PELT_INLINE void AddSines(const WindSine (&sine)[2], const Vec3<V>& place, Vec3<V>& wind) {
+    const auto wave = [](const WindSine& of, V at) __attribute__((always_inline)) {
+      const V turns = at * V(of.turns_per_m) + V(of.phase);
+      return wind_detail::SineOfTurns(turns) * V(of.strength);
+    };
+    wind.x = wind.x + wave(sine[0], place.x);
+    wind.z = wind.z + wave(sine[1], place.z);
   }
 };
 

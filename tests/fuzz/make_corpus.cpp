@@ -179,6 +179,7 @@ void WritePoses(const std::filesystem::path& folder) {
     for (const auto& sample : input.lighting.sample)
       ListIrradianceFields(input_log::Writer{walk}, sample);
     for (const auto& brush : input.brush) ListBrushFields(input_log::Writer{walk}, brush);
+    for (const auto& force : input.force) ListForceFields(input_log::Writer{walk}, force);
     PutNumber(walk, uint8_t{4});
     for (size_t v = 0; v < 3 * (1 + kSpheresPerScene + 2 * kCapsulesPerScene); ++v)
       PutNumber(walk, std::bit_cast<uint32_t>(0.5f * float(frame)));

@@ -98,6 +98,7 @@ void ReadHostile(std::span<const std::byte> bytes) {
         for (SphereLight& light : input.lighting.light) ListLightFields(reader, light);
         for (IrradianceSample& sample : input.lighting.sample) ListIrradianceFields(reader, sample);
         for (PaintBrush& brush : input.brush) ListBrushFields(reader, brush);
+        for (ForceVolume& force : input.force) ListForceFields(reader, force);
         break;
       case 2:
         RunFrame(scene, input);

@@ -3,11 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstring>
 #include <functional>
 #include <memory>
 #include <string>
 #include <tuple>
 
+#include "core/kernels/wind.hpp"
 #include "tests/jobs/c_scene.hpp"
 
 namespace pelt::testing {
@@ -59,6 +61,41 @@ TEST(CInterface, ABudgetNeedsCostsAndIsKeptTo) {
   };
   EXPECT_EQ(digest_within(1'000'000), digest_within(0));
   EXPECT_NE(digest_within(1), digest_within(0));
+}
+
+TEST(CInterface, AForceVolumePushesWhatItHolds) {
+  PeltForce force{{0, 1, 0}, {2, 2, 2}, PELT_FORCE_BALL, PELT_FORCE_PULL, {0, 1, 0}, 5,
+                  0,         0,         PELT_FREE};
+  const auto digest_with = [&force](uint32_t count) {
+    const OwnScene scene = MakeScene();
+    for (uint32_t f = 0; f < 3; ++f) {
+      PeltFrame input = FrameOf(f);
+      input.forces = &force;
+      input.force_count = count;
+      EXPECT_EQ(Text(pelt_begin(scene.get(), &input)), "");
+      EXPECT_EQ(Text(pelt_run(scene.get(), nullptr)), "");
+    }
+    return pelt_digest(scene.get());
+  };
+  EXPECT_NE(digest_with(1), digest_with(0));
+  force.centre[0] = 100.0f;
+  EXPECT_EQ(digest_with(1), digest_with(0));
+}
+
+TEST(CInterface, ThePublishedWindIsThatOfTheFrame) {
+  PeltFrame frame = FrameOf(100);
+  frame.turbulence = 1.5f;
+  const double origin[3] = {3.0, 0.0, -1.25};
+  PeltWindWaves waves;
+  pelt_wind_waves(&frame, origin, &waves);
+  EXPECT_EQ(waves.mean[0] + waves.along_x[0], 0.0f) << "gusts";
+  frame.wind_kind = PELT_PUBLISHED_WIND;
+  pelt_wind_waves(&frame, origin, &waves);
+  const WindSetup setup{.velocity = {2.0f}, .turbulence = 1.5f, .kind = PELT_PUBLISHED_WIND};
+  const WindParams wind = MakeWindParams(setup, frame.time_s, origin);
+  EXPECT_EQ(std::memcmp(waves.mean, wind.direction_speed, sizeof waves.mean), 0);
+  EXPECT_EQ(std::memcmp(waves.along_x, &wind.sine[0], sizeof waves.along_x), 0);
+  EXPECT_EQ(std::memcmp(waves.along_z, &wind.sine[1], sizeof waves.along_z), 0);
 }
 
 // Everything that writes what a frame reads, called while one is begun, and from its door.

@@ -70,6 +70,18 @@ void SpoilInput(Random& random, FrameInput& in) {
     in.wind.gust_strength = Extreme(random);
     in.wind.gust_period_s = random.Below(2) ? 1e-3f : 1e6f;
     in.wind.turbulence_scale_m = random.Below(2) ? 1e-3f : 1e6f;
+    in.wind.kind = random.Below(kWindKinds);
+  }
+  if (random.Below(2)) {
+    in.force_count = kForceVolumesPerScene;
+    for (ForceVolume& force : in.force) {
+      FillExtreme(random, force.centre, 2);
+      for (float& half : force.half) half = random.Below(2) ? 1e-3f : 1e6f;
+      force.shape = random.Below(kForceShapes), force.kind = random.Below(kForceKinds);
+      force.strength = Extreme(random);
+      force.hardness = random.Below(2) ? 1.0f : 0.0f;
+      if (random.Below(2)) force.joint = 0;
+    }
   }
   if (random.Below(2)) {
     in.sphere_count = kSpheresPerScene;

@@ -107,6 +107,10 @@ TEST(Origins, ThatMoveAreNotSeen) {
     bar.radius = 0.2f;
     bar.joint = 1;
     still.capsules = {bar};
+    // One of the world that holds all, and one that the hips carry.
+    still.base.force_count = 2;
+    still.base.force[0] = {.half = {4, 4, 4}, .kind = uint32_t(ForceKind::kPull), .strength = 3.0f};
+    still.base.force[1] = {.shape = uint32_t(ForceShape::kBox), .strength = 3.0f, .joint = 1};
     Scenario moving = still;
     moving.origins = true;
     EXPECT_LT(Apart(still, moving, 40, 0.99), 1.0e-5) << int(solver);

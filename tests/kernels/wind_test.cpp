@@ -9,6 +9,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/exact_math.hpp"
 #include "tests/kernels/run_kernel.hpp"
 
 namespace pelt::test {
@@ -251,6 +252,69 @@ TEST(Wind, StillAirIsExactlyZero) {
     for (uint32_t s = 0; s < 64; ++s) ASSERT_EQ(row[s], 0.0f);
 }
 
+// ---- Force volumes ------------------------------------------------------------------------------
+
+// A ball that pushes, a turned box that pulls, and a ball that repels.
+const ForceParams kForces = {
+    3,
+    {{{{0.3f, 0, 0.1f, 0.1f}, {0, 0.5f, 0, 0}, {-0.1f, 0, 0.4f, 0}}, {3, -1, 2}, 0, 2, 0},
+     {{{0.4f, 0, 0.3f, 0}, {0, 0.5f, 0, -0.2f}, {-0.6f, 0, 0.8f, 1}}, {1, 0, -1}, 7, 10, 3},
+     {{{0.6f, 0, 0, 1}, {0, 0.6f, 0, 0}, {0, 0, 0.6f, 0}}, {-1.5f, 0, 0}, -4, 1, kForcePulls}}};
+
+// Adds to the acceleration; whether the force acts there.
+bool Act(const PlacedForce& force, const double (&place)[3], double (&acceleration)[3]) {
+  double square = 0.0, largest = 0.0, way[3], distance = 0.0;
+  for (int r = 0; r < 3; ++r) {
+    double own = force.own[r][3];
+    for (int k = 0; k < 3; ++k) own += force.own[r][k] * place[k];
+    square += own * own;
+    largest = std::max(largest, std::fabs(own));
+    way[r] = force.push[r] - place[r];
+    distance = std::hypot(distance, way[r]);
+  }
+  const double out = force.flags & kForceBox ? largest : std::sqrt(square);
+  const double share = std::clamp((1.0 - out) * force.steepness, 0.0, 1.0);
+  for (int k = 0; k < 3; ++k)
+    acceleration[k] +=
+        share * (force.flags & kForcePulls ? force.pull * way[k] / distance : force.push[k]);
+  return share > 0.0;
+}
+
+TEST(Wind, ForceVolumesAreTheDoubleReferenceAndNothingOutside) {
+  const auto scene = MakeScene(kStrandsPerChunk, 0);
+  RunWind<Ref, false>(kBreeze, *scene);
+  const WindBlock without = scene->wind;
+  WindParams params = kBreeze;
+  params.forces = kForces;
+  RunWind<Ref, false>(params, *scene);
+  ExpectSameBits(scene->wind.acceleration, without.acceleration, kStrandsPerChunk, "not pushed");
+  scene->layer.flags = kLayerPushed;
+  RunWind<Ref, false>(params, *scene);
+  const WindBlock with = scene->wind;
+  uint32_t inside[4] = {};  // of each, and of none
+  for (uint32_t s = 0; s < kStrandsPerChunk; ++s) {
+    double place[3], push[3] = {};
+    for (int c = 0; c < 3; ++c) place[c] = double(scene->roots.position[c][s]);
+    bool none = true;
+    for (uint32_t f = 0; f < 3; ++f) {
+      const bool acts = Act(kForces.force[f], place, push);
+      inside[f] += acts;
+      none = none && !acts;
+    }
+    inside[3] += none;
+    for (int c = 0; c < 3; ++c) {
+      const float found = with.acceleration[c][s], still = without.acceleration[c][s];
+      EXPECT_NEAR(found, double(still) + push[c], 1e-4) << s;
+      ASSERT_TRUE(!none || BitsOf(found) == BitsOf(still)) << s;
+    }
+  }
+  for (const uint32_t count : inside) EXPECT_GT(count, 3u);
+  ForEveryVector([&]<class V>(const char* name) {
+    RunWind<V, false>(params, *scene);
+    ExpectSameBits(scene->wind.acceleration, with.acceleration, kStrandsPerChunk, name);
+  });
+}
+
 // ---- The course over time -----------------------------------------------------------------------
 
 TEST(WindSetup, GustsSwingTheMeanWithinTheirStrength) {
@@ -295,6 +359,34 @@ TEST(WindSetup, ScrollIsWrappedAndStaysPreciseForWeeks) {
       step -= kPerlinPeriod * std::floor(step / kPerlinPeriod + 0.5);
       ASSERT_NEAR(step, -(7.3f + 0.31) / 0.4f / 60.0, 1e-4) << t;
     }
+  }
+}
+
+// x = A + B sin(C (t + x)), z = D + E sin(F (t + z)), each of A to F swung by noise.
+TEST(WindSetup, ThePublishedWindIsItsFormula) {
+  const WindSetup setup{{3.0f, 9.0f, -2.0f}, 0.4f, 3.0f, 2.0f, 0.5f, 1};
+  const double origin[3] = {0.25, 100.0, -0.5};
+  const auto scene = MakeScene(kStrandsPerChunk, 0);
+  for (const double time_s : {0.0, 1.7, 9.3}) {
+    const WindParams params = MakeWindParams(setup, time_s, origin);
+    RunWind<Ref, false>(params, *scene);
+    const WindBlock found = scene->wind;
+    for (int i = 0; i < 2; ++i) {
+      const Triple noise = Noise(float(time_s / 3.0), 0.5f, 0.5f + 32.0f * float(i));
+      const auto swung = [&](double mean, int c) { return mean * (1.0 + 0.4 * noise.c[c]); };
+      const double a = swung(i ? -2.0 : 3.0, 0), b = swung(2.0, 1);
+      const double c = swung(2.0 * exact::kPi / 0.5, 2);
+      for (uint32_t s = 0; s < kStrandsPerChunk; ++s) {
+        const double x = origin[2 * i] + double(scene->roots.position[2 * i][s]);
+        const double blows = 1.75 * (a + b * std::sin(c * (time_s + x)));
+        EXPECT_NEAR(found.acceleration[2 * i][s], blows, 2e-4) << time_s << " s, " << s;
+        EXPECT_EQ(found.acceleration[1][s], 0.0f);
+      }
+    }
+    ForEveryVector([&]<class V>(const char* name) {
+      RunWind<V, false>(params, *scene);
+      ExpectSameBits(scene->wind.acceleration, found.acceleration, kStrandsPerChunk, name);
+    });
   }
 }
 

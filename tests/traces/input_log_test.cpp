@@ -70,6 +70,9 @@ TEST(InputLog, WhatIsRecordedComesBack) {
     EXPECT_EQ(std::memcmp(&input.lighting, &recorded.inputs[f].lighting, sizeof(Lighting)), 0);
     EXPECT_EQ(input.brush_count, 2 * f);
     EXPECT_EQ(std::memcmp(&input.brush, &recorded.inputs[f].brush, sizeof input.brush), 0);
+    EXPECT_EQ(input.wind.kind, f % 2);
+    EXPECT_EQ(input.force_count, f);
+    EXPECT_EQ(std::memcmp(&input.force, &recorded.inputs[f].force, sizeof input.force), 0);
     ASSERT_EQ(input.weather.size(), recorded.weather[f].size());
     for (const Weather& weather : input.weather) EXPECT_EQ(weather.dirt, 0.1f * float(f));
     EXPECT_EQ(log.frames[f].digest, recorded.digests[f]);
@@ -178,10 +181,10 @@ TEST(InputLog, BytesAreThoseOfVersionTen) {
   const uint32_t head[] = {10, kStrandsPerChunk, 0, 2, 3, 4};
   for (size_t b = 0; b < sizeof head; ++b)
     EXPECT_EQ(bytes[8 + b], std::byte(head[b / 4] >> 8 * (b % 4) & 255)) << b;
-  ASSERT_EQ(bytes.size(), 222735u);
+  ASSERT_EQ(bytes.size(), 223127u);
   Digest digest;
   for (size_t b = input_log::kHeaderBytes; b < bytes.size(); ++b) digest.Add(uint32_t(bytes[b]));
-  EXPECT_EQ(digest.Value(), 0x445f61f5d90b7317u);
+  EXPECT_EQ(digest.Value(), 0x96301a113b78cddfu);
 }
 
 TEST(InputLog, BeginsWithASnapshotWhereThereIsOne) {
@@ -362,7 +365,7 @@ TEST(InputLog, VersionThreeIsStillRead) {
   }
 }
 
-// A log of one frame, without what versions below 9, 8 and 6 lack.
+// A log of one frame, without what versions below 10, 9, 8 and 6 lack.
 std::vector<std::byte> WriteAsVersion(uint32_t version) {
   const RecordedFrames recorded = MakeRecordedFrames();
   InputLogWriter writer;
@@ -376,14 +379,23 @@ std::vector<std::byte> WriteAsVersion(uint32_t version) {
   const InputLog now = ReadInputLog(bytes, "x").OrThrow();
   EXPECT_EQ(now.Input(0).lod.fast_quality_px, 0.5f);
   EXPECT_EQ(now.Input(0).lod.least_chains, 0.0f);
-  // Before the pose: five counts, the weather's, and what pose it is.
-  const auto end = bytes.begin() + ptrdiff_t(now.poses[0].byte - 1 - 6 * 4);
-  constexpr ptrdiff_t kBudget = 4 + 4 + sizeof(FurCosts);
+  // Before the pose: six counts, the weather's, and what pose it is. The last count is of force volumes.
+  const auto end = bytes.begin() + ptrdiff_t(now.poses[0].byte - 1 - 7 * 4);
+  bytes.erase(end + 5 * 4, end + 6 * 4);
+  constexpr ptrdiff_t kKind = 4, kBudget = 4 + 4 + sizeof(FurCosts);
   const ptrdiff_t before = version < 6 ? 8 : version < 8 ? 4 : 0;
-  bytes.erase(end - before - kBudget, end);
+  bytes.erase(end - kKind - (version < 9 ? before + kBudget : 0), end);
   if (version < 6) bytes.resize(bytes.size() - 4);  // how many frames have velocities of colliders
   input_log::PutNumberAt(bytes, 8, version);
   return Reseal(bytes);
+}
+
+// From before there were kinds of wind, and force volumes.
+TEST(InputLog, VersionNineIsStillRead) {
+  const InputLog then = ReadInputLog(WriteAsVersion(9), "x").OrThrow();
+  EXPECT_EQ(then.version, 9u);
+  EXPECT_EQ(then.Input(0).lod.budget_us, 100u);
+  EXPECT_EQ(then.Input(0).wind.kind + then.Input(0).force_count, 0u);
 }
 
 // From before there were budgets of time.
@@ -448,6 +460,7 @@ TEST(InputLog, TheWriterRefusesWhatCouldNotBeRead) {
   expect_refused([](FrameInput& in) { in.lighting.light_count = kLightsPerScene + 1; });
   expect_refused([](FrameInput& in) { in.lighting.sample_count = kIrradianceSamplesPerScene + 1; });
   expect_refused([](FrameInput& in) { in.brush_count = kBrushesPerScene + 1; });
+  expect_refused([](FrameInput& in) { in.force_count = kForceVolumesPerScene + 1; });
   const Weather weather[2];
   expect_refused([&](FrameInput& in) { in.weather = weather; });
   const std::vector<float> importance(kLayersPerScene + 1, 1.0f);

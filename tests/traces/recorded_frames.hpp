@@ -84,6 +84,18 @@ inline RecordedFrames MakeRecordedFrames() {
     input.brush_count = 2 * f;
     for (uint32_t b = 0; b < 2 * f; ++b)
       input.brush[b] = {{0, float(b), 0}, 0.25f, 0.5f, b % kPaintChannels, b % 2 ? 1.0f : -0.5f};
+    input.wind.kind = f % 2;
+    input.force_count = f;
+    for (uint32_t v = 0; v < f; ++v)
+      input.force[v] = {{0, float(v), 0},
+                        {1, 1, 0.25f},
+                        v % 2,
+                        f % 2,
+                        {0, 1, 0},
+                        -3.0f,
+                        0.5f,
+                        0,
+                        v > 0 ? 5 * v : ForceVolume::kFree};
     input.skip.light = f != 1;
     input.skip.lod = f == 2;
     input.lod.strand_budget = 100 * f;

@@ -219,6 +219,18 @@ static void TryBadFrames(PeltScene* scene) {
   bad.brush_count = 1;
   ExpectRefused(pelt_begin(scene, &bad), "brush 0: its channel");
   bad = frame;
+  bad.force_count = 1;
+  ExpectRefused(pelt_begin(scene, &bad), "force volumes are null");
+  bad.force_count = 4000000000u;
+  ExpectRefused(pelt_begin(scene, &bad), "more force volumes");
+  const PeltForce force = {{0}, {0}, PELT_FORCE_BOX, PELT_FORCE_PULL, {0, 1, 0}, 9, 0, 0, PELT_FREE};
+  bad.forces = &force;
+  bad.force_count = 1;
+  ExpectRefused(pelt_begin(scene, &bad), "force volume 0: half of a side");
+  bad = frame;
+  bad.wind_kind = PELT_PUBLISHED_WIND + 1;
+  ExpectRefused(pelt_begin(scene, &bad), "wind: its kind");
+  bad = frame;
   bad.sun_direction[1] = 2;
   ExpectRefused(pelt_begin(scene, &bad), "sun's direction");
   ExpectRefused(pelt_run(scene, NULL), "no frame was begun");
