@@ -12,7 +12,7 @@ namespace shading {
 
 using glm::abs, glm::ceil, glm::clamp, glm::cos, glm::cross, glm::dot, glm::exp, glm::floor,
     glm::inversesqrt, glm::length, glm::log, glm::max, glm::min, glm::mix, glm::normalize, glm::pow,
-    glm::smoothstep, glm::sqrt;
+    glm::sin, glm::smoothstep, glm::sqrt;
 using glm::mat3, glm::ivec2, glm::uvec2, glm::vec2, glm::vec3, glm::vec4;
 using uint = uint32_t;
 

@@ -86,3 +86,29 @@ FN vec3 ShellPosition(vec3 position, vec3 groom, vec3 force, float height) {
   return position + height * (groom + height * force);
 }
 FN vec3 ShellSlope(vec3 groom, vec3 force, float height) { return groom + 2.0f * height * force; }
+
+// The published wind at a place, m/s: its mean and two waves, each a strength, turns a metre, and turns at 0
+// (pelt_wind_waves).
+FN float WindWave(vec3 wave, float at) {
+  float turns = wave.y * at + wave.z;
+  return wave.x * sin(6.28318531f * (turns - floor(turns)));
+}
+FN vec3 PublishedWind(vec3 place, vec3 mean, vec3 along_x, vec3 along_z) {
+  return mean + vec3(WindWave(along_x, place.x), 0.0f, WindWave(along_z, place.z));
+}
+
+// How far fur of such a length, m, is bent by an acceleration, m/s^2; stiffness and cone, of the exact kind, are the
+// setup's.
+FN vec3 ShellBend(vec3 acceleration, vec3 normal, float stiffness, float cone, float fur_length) {
+  vec3 force = acceleration * ((1.0f - stiffness) / 9.80665f);
+  float size = length(force);
+  force = force / max(size, 1.0f);
+  size = min(size, 1.0f);
+  float lean = dot(force, normal);
+  if (lean < cone * size) {
+    vec3 axis = abs(normal.x) < 0.6f ? vec3(1.0f, 0.0f, 0.0f) : vec3(0.0f, 1.0f, 0.0f);
+    vec3 side = NormalizeOr(force - normal * lean, normalize(cross(normal, axis)));
+    force = (normal * cone + side * sqrt(1.0f - cone * cone)) * size;
+  }
+  return force * fur_length;
+}

@@ -153,6 +153,13 @@ std::vector<Function> ListFunctions() {
          return glm::vec4(ShellPosition(glm::vec3(a.u), Unit(a.d), glm::vec3(a.v), a.u.w),
                           ShellCoverage(a.u.x, a.u.y, a.u.z));
        }},
+      {"ShellBend",
+       "vec4(ShellBend(20.0 * PublishedWind(v.xyz, u.xyz, e.xyz, d.xyz), d.xyz, u.x, 0.2, u.w), "
+       "0.0)",
+       [](A a) {
+         const glm::vec3 wind = PublishedWind(glm::vec3(a.v), glm::vec3(a.u), Unit(a.e), Unit(a.d));
+         return Wide(ShellBend(20.0f * wind, Unit(a.d), a.u.x, 0.2f, a.u.w));
+       }},
   };
 }
 
