@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <set>
 
@@ -85,6 +87,18 @@ TEST(Scenarios, StageIsWhatTheOriginalDrew) {
       EXPECT_LT(square, 5.4f * 5.4f) << f;
     }
   }
+}
+
+TEST(Scenarios, ThePublishedLookOfShellsIsASetup) {
+  const ScenarioRequest request{.character = "scorpion", .setup = "furry_scorpion"};
+  const LayerParams params = LoadScenario(request).grooms.at(0).layers.at(0).params;
+  EXPECT_EQ(params.output, Output::kShells);
+  EXPECT_EQ(params.cone_kind, ConeKind::kPublished);
+  EXPECT_EQ(LoadSetup("furry_scorpion").layers.at(0).length.value, 0.2f);
+  const std::vector<uint8_t> texture = MakeFurTexture(params);
+  ASSERT_EQ(texture.size(), 128u * 128u);
+  const auto bare = double(std::ranges::count(texture, uint8_t{0}));
+  EXPECT_NEAR(bare / double(texture.size()), std::exp(-0.2), 0.01);
 }
 
 TEST(Scenarios, EyePetHasFivePointChainsInRibbonsOverShells) {
