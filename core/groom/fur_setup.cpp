@@ -331,29 +331,107 @@ const toml::table* FindLayer(const toml::table& root, std::string_view name) {
   return nullptr;
 }
 
+std::string_view SourceOf(std::string_view text, const toml::node& node) {
+  const size_t begin = OffsetOf(text, node.source().begin);
+  return text.substr(begin, OffsetOf(text, node.source().end) - begin);
+}
+
+// `part` is of the text.
+std::string Replace(std::string_view text, std::string_view part, std::string_view by) {
+  return std::string(text).replace(size_t(part.data() - text.data()), part.size(), by);
+}
+
+// Behind the line that holds a place of the text.
+std::string InsertLine(std::string_view text, size_t at, std::string_view line) {
+  const size_t end = text.find('\n', at);
+  if (end == text.npos) return Format("{}\n{}\n", text, line);
+  return Format("{}{}\n{}", text.substr(0, end + 1), line, text.substr(end + 1));
+}
+
+std::string InsertBelowName(std::string_view text, const toml::table& layer,
+                            std::string_view line) {
+  return InsertLine(text, OffsetOf(text, layer.get("name")->source().end), line);
+}
+
+// An inline table's source with one more key.
+std::string InsertKey(std::string source, const toml::table& table, std::string_view entry) {
+  return source.insert(1, table.empty() ? Format(" {} ", entry) : Format(" {},", entry));
+}
+
+const toml::table& ExpectLayer(const toml::table& root, const std::string& path,
+                               std::string_view layer) {
+  const toml::table* table = FindLayer(root, layer);
+  if (!table) throw Error(Format("{}: no layer '{}'", path, layer));
+  return *table;
+}
+
+// Of what has headers or dots in its keys the source is in parts.
+void ExpectInline(std::string_view text, const std::string& path, std::string_view key,
+                  const toml::node& node) {
+  const toml::table* table = node.as_table();
+  if ((table && !table->is_inline()) ||
+      (node.is_array_of_tables() && SourceOf(text, node).starts_with("[[")))
+    throw Error(Format("{}:{}: key '{}' is written in parts; write it as one {} to change it here",
+                       path, std::max<uint32_t>(node.source().begin.line, 1), key,
+                       table ? "table { ... }" : "list [ ... ]"));
+}
+
+bool IsAttribute(std::string_view key) {
+  return std::ranges::any_of(Schema<LayerSetup>(), [&](const KeyEntry<LayerSetup>& entry) {
+    return entry.info.key == key && entry.info.type == "attribute";
+  });
+}
+
 }  // namespace
 
 std::string ChangeLayerKey(std::string_view text, const std::string& path, std::string_view layer,
                            std::string_view key, std::string_view value) {
   const toml::table root = ParseToml(text, path);
-  const toml::table* table = FindLayer(root, layer);
-  if (!table) throw Error(Format("{}: no layer '{}'", path, layer));
-  std::string changed(text);
-  const toml::node* node = table->get(key);
-  if (node && node->is_table()) node = node->as_table()->get("value");
-  if (node) {
-    const size_t begin = OffsetOf(text, node->source().begin),
-                 end = OffsetOf(text, node->source().end);
-    return changed.replace(begin, end - begin, value);
+  const toml::table& table = ExpectLayer(root, path, layer);
+  const toml::node* node = table.get(key);
+  if (!node) return InsertBelowName(text, table, Format("{} = {}", key, value));
+  const toml::table* inside = node->as_table();
+  if (const toml::node* own = inside ? inside->get("value") : node; own && !own->is_array())
+    return Replace(text, SourceOf(text, *own), value);
+  ExpectInline(text, path, key, *node);
+  const std::string_view source = SourceOf(text, *node);
+  if (!inside) return Replace(text, source, value);
+  if (!IsAttribute(key))
+    throw Error(
+        Format("{}:{}: key '{}' is a table without a value", path, node->source().begin.line, key));
+  return Replace(text, source,
+                 InsertKey(std::string(source), *inside, Format("value = {}", value)));
+}
+
+std::string ChangeLayerMap(std::string_view text, const std::string& path, std::string_view layer,
+                           std::string_view key, std::string_view map) {
+  const toml::table root = ParseToml(text, path);
+  const toml::table& table = ExpectLayer(root, path, layer);
+  const size_t dot = key.find('.');
+  const std::string_view outer = key.substr(0, dot);
+  const toml::node* own = table.get(outer);
+  // A table of the layer's own is in the place of all that [defaults] says of the key.
+  const toml::node* said = own ? own : root["defaults"][outer].node();
+  const toml::table* inside = said ? said->as_table() : nullptr;
+  if (said) ExpectInline(text, path, outer, *said);
+  const std::string_view inner = dot == key.npos ? "map" : key.substr(dot + 1);
+  const std::string name = Format("\"{}\"", map), entry = Format("{} = {}", inner, name);
+  std::string value(said ? SourceOf(text, *said) : "");
+  const toml::node* old = inside ? inside->get(inner) : nullptr;
+  if (old && old->is_table()) old = old->as_table()->get("map");
+  if (old) {
+    const size_t begin = OffsetOf(text, said->source().begin);
+    const std::string_view source = SourceOf(text, *old);
+    value.replace(size_t(source.data() - text.data()) - begin, source.size(), name);
+  } else if (inside) {
+    value = InsertKey(std::move(value), *inside, entry);
+  } else if (said && said->is_number()) {
+    value = Format("{{ value = {}, {} }}", value, entry);
+  } else {
+    value = dot != key.npos || IsAttribute(key) ? Format("{{ {} }}", entry) : name;
   }
-  if (table->get(key))
-    throw Error(Format("{}:{}: key '{}' is a table without a value", path,
-                       table->get(key)->source().begin.line, key));
-  const size_t name = OffsetOf(text, table->get("name")->source().end),
-               line_end = changed.find('\n', name);
-  const std::string line = Format("{} = {}", key, value);
-  if (line_end == changed.npos) return changed + '\n' + line + '\n';
-  return changed.insert(line_end + 1, line + '\n');
+  return own ? Replace(text, SourceOf(text, *own), value)
+             : InsertBelowName(text, table, Format("{} = {}", outer, value));
 }
 
 }  // namespace pelt

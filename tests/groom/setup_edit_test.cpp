@@ -3,6 +3,7 @@
 
 #include "core/error.hpp"
 #include "core/groom/fur_setup.hpp"
+#include "tests/error_from.hpp"
 
 namespace pelt {
 namespace {
@@ -56,6 +57,62 @@ TEST(ChangeLayerKey, ANewKeyGoesBelowTheName) {
 TEST(ChangeLayerKey, RefusesWhatIsNotThere) {
   EXPECT_THROW((void)Change("nose", "weight", "1.0"), Error);
   EXPECT_THROW((void)ChangeLayerKey("[[layer]\n", "setup", "tail", "weight", "1.0"), Error);
+}
+
+constexpr std::string_view kName = "[[layer]]\nname = \"x\"\n";
+
+TEST(ChangeLayerKey, OfATableWithoutAValueItGetsOne) {
+  EXPECT_EQ(ChangeLayerKey(std::string(kName) + "length = { randomise = 0.2 }\n", "s", "x",
+                           "length", "0.5"),
+            std::string(kName) + "length = { value = 0.5, randomise = 0.2 }\n");
+}
+
+TEST(ChangeLayerKey, ReplacesAListThatIsWrittenInOnePiece) {
+  EXPECT_EQ(ChangeLayerKey(std::string(kName) + "comb = [\n  { reach = 1 },\n] # all\n", "s", "x",
+                           "comb", "[]"),
+            std::string(kName) + "comb = [] # all\n");
+  EXPECT_EQ(test::ErrorFrom([] {
+              (void)ChangeLayerKey(std::string(kName) + "[[layer.comb]]\nreach = 1\n", "s", "x",
+                                   "comb", "[]");
+            }),
+            "s:3: key 'comb' is written in parts; write it as one list [ ... ] to change it here");
+}
+
+TEST(ChangeLayerMap, PutsAMapWhereTheKeyIsAndLeavesTheRest) {
+  constexpr std::string_view kCases[][3] = {
+      {"length", "", "length = { map = \"m.png\" }\n"},
+      {"mask.bald", "", "mask = { bald = \"m.png\" }\n"},
+      {"colour_map", "", "colour_map = \"m.png\"\n"},
+      {"length", "length = 0.1 # m\n", "length = { value = 0.1, map = \"m.png\" } # m\n"},
+      {"length", "length = { value = 0.1 }\n", "length = { map = \"m.png\", value = 0.1 }\n"},
+      {"length", "length = {}\n", "length = { map = \"m.png\" }\n"},
+      {"length", "length = { map = \"old.png\", low = 0.5 }\n",
+       "length = { map = \"m.png\", low = 0.5 }\n"},
+      {"mask.bald", "mask = { bald = \"old.png\", materials = [\"a\"] }\n",
+       "mask = { bald = \"m.png\", materials = [\"a\"] }\n"},
+      {"mask.bald", "mask = { bald = { map = \"o\", low = 1 } }\n",
+       "mask = { bald = { map = \"m.png\", low = 1 } }\n"},
+      {"colour_map", "colour_map = \"old.png\"\n", "colour_map = \"m.png\"\n"},
+      {"colour_map", "colour_map = { map = \"old.png\" }\n", "colour_map = { map = \"m.png\" }\n"},
+  };
+  for (const auto& [key, before, after] : kCases)
+    EXPECT_EQ(ChangeLayerMap(std::string(kName).append(before), "s", "x", key, "m.png"),
+              std::string(kName).append(after))
+        << before;
+}
+
+TEST(ChangeLayerMap, WhatDefaultsSayComesAlong) {
+  constexpr std::string_view kText =
+      "[defaults]\ndensity = 60_000\nmask = { materials = [\"a\"] }\nlength.value = 0.1\n"
+      "[[layer]]\nname = \"x\"\n";
+  const auto changed = [&](std::string_view key) {
+    return ChangeLayerMap(kText, "s", "x", key, "m.png").substr(kText.size());
+  };
+  EXPECT_EQ(changed("density"), "density = { value = 60_000, map = \"m.png\" }\n");
+  EXPECT_EQ(changed("mask.bald"), "mask = { bald = \"m.png\", materials = [\"a\"] }\n");
+  EXPECT_EQ(
+      test::ErrorFrom([&] { (void)changed("length"); }),
+      "s:4: key 'length' is written in parts; write it as one table { ... } to change it here");
 }
 
 }  // namespace
