@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "bench/picture/gl_renderer.hpp"
+#include "bench/viewer/groom_tools.hpp"
 #include "bench/viewer/page_request.hpp"
 #include "bench/viewer/replay_viewer.hpp"
 #include "bench/viewer/viewer.hpp"
@@ -21,6 +22,7 @@ struct Page {
   // One of them.
   std::unique_ptr<Viewer> viewer;
   std::unique_ptr<ReplayViewer> replay;
+  std::optional<GroomTools> tools;  // of the viewer
   std::optional<GlRenderer> renderer;
   std::string text;
   float place[3] = {};
@@ -39,6 +41,11 @@ PageView& Shown() {
 Viewer& ShownScene() {
   if (ThePage().replay) throw Error("a recording can be looked at, not changed");
   return *ThePage().viewer;
+}
+
+GroomTools& Tools() {
+  ShownScene();
+  return *ThePage().tools;
 }
 
 std::string_view Text(const char* bytes, size_t size) { return {bytes, size}; }
@@ -60,7 +67,9 @@ PELT_EXPORT(GiveFile)
 }
 
 PELT_EXPORT(Open)(const char* request, size_t size)->void {
+  ThePage().tools.reset();
   ThePage().viewer = std::make_unique<Viewer>(ReadRequest(Text(request, size)));
+  ThePage().tools.emplace(*ThePage().viewer);
 }
 
 // In place of what was shown. Null; or why it cannot be replayed, and then what was shown is shown on.
@@ -69,6 +78,7 @@ PELT_EXPORT(OpenRecording)
   auto opened = ReplayViewer::Open({bytes, size}, std::string(Text(name, name_size)));
   if (!opened) return Tell(opened.error());
   ThePage().replay = *std::move(opened);
+  ThePage().tools.reset();
   ThePage().viewer.reset();
   return nullptr;
 }
@@ -139,5 +149,39 @@ PELT_EXPORT(Paint)(uint32_t channel, float x, float y, float z)->void {
   ShownScene().Paint(channel, {x, y, z});
 }
 PELT_EXPORT(MoveSphere)(float x, float y, float z)->void { ShownScene().MoveSphere({x, y, z}); }
+
+// What groom_tools.hpp says of each.
+PELT_EXPORT(DescribeCombs)(size_t setup, const char* layer, size_t layer_size)->const char* {
+  return Tell(Tools().DescribeCombs(setup, Text(layer, layer_size)));
+}
+PELT_EXPORT(MoveComb)
+(size_t setup, const char* vector, size_t size, uint32_t part, double x, double y, double lift)
+    ->const char* {
+  return Tell(Tools().MoveComb(setup, Text(vector, size), GroomTools::CombPart(part), x, y, lift));
+}
+PELT_EXPORT(BeginMap)
+(size_t setup, const char* layer, size_t layer_size, const char* key, size_t key_size,
+ uint32_t side, double empty)
+    ->const char* {
+  return Tell(Tools().BeginMap(setup, Text(layer, layer_size), Text(key, key_size), side, empty));
+}
+PELT_EXPORT(PaintMap)
+(double from_x, double from_y, double to_x, double to_y, double radius, double hardness,
+ double value)
+    ->double {
+  return Tools().PaintMap({from_x, from_y}, {to_x, to_y}, radius, hardness, value);
+}
+// TextSize() bytes.
+PELT_EXPORT(MapPng)()->const char* { return Tell(Tools().MapPng()); }
+PELT_EXPORT(TakeMap)
+(size_t setup, const char* layer, size_t layer_size, const char* key, size_t key_size,
+ const char* name, size_t name_size)
+    ->void {
+  Tools().TakeMap(setup, Text(layer, layer_size), Text(key, key_size), Text(name, name_size));
+}
+PELT_EXPORT(PathOf)(size_t setup, const char* name, size_t size)->const char* {
+  return Tell(Tools().PathOf(setup, Text(name, size)));
+}
+PELT_EXPORT(DescribeFiles)(size_t setup)->const char* { return Tell(Tools().DescribeFiles(setup)); }
 
 }  // namespace pelt

@@ -45,6 +45,7 @@ worker.onmessage = ({data}) => {
   if (data.paused) showPlaying(false);
   if (data.described) show(data);
   if (data.setups) Object.assign(setups, data.setups);
+  takeGroom(data);
   if (data.frame) showFrame(data);
   if (data.fault !== undefined) showFault(data.dead ? `${data.fault}\nReload the page.` : data.fault);
   if (data.opened) {
@@ -147,6 +148,7 @@ function fillPlan() {
 
 function showFrame({frame, draw_ms, pages}) {
   if (frame.camera) firstOrbit = frame.camera;
+  showCosts(frame.layer_ns);
   const [text, kind] = digestText(frame);
   $('digest').textContent = text;
   $('digest').className = kind;
@@ -235,11 +237,12 @@ const pointers = new Map();
 const shareOf = (event) => [event.offsetX / canvas.clientWidth, event.offsetY / canvas.clientHeight];
 const lift = () => {
   if ($('tool').value.startsWith('paint')) tell({paint: null});
+  endGroom();
 };
 canvas.onpointerdown = (event) => {
   canvas.setPointerCapture(event.pointerId);
   pointers.set(event.pointerId, shareOf(event));
-  if (pointers.size === 1) act(event, 0, 0);
+  if (pointers.size === 1) act(event, 0, 0, true);
   else lift();
 };
 canvas.onpointermove = (event) => {
@@ -260,9 +263,10 @@ canvas.onpointerup = canvas.onpointercancel = (event) => {
   pointers.delete(event.pointerId);
   lift();
 };
-function act(event, dx, dy) {
+function act(event, dx, dy, down = false) {
   const tool = event.shiftKey ? 'pan' : $('tool').value;
   const [x, y] = shareOf(event);
+  if (isGroomTool(tool)) groom(tool, [x, y], down);
   if (tool === 'turn' && (dx || dy)) turn(-4 * dx, 2 * dy);
   if (tool === 'pan' && (dx || dy)) pan(dx, dy);
   if (tool === 'sphere') {
@@ -282,7 +286,8 @@ canvas.addEventListener('wheel', (event) => {
   zoom(Math.exp(event.deltaY * 0.001));
 }, {passive: false});
 canvas.onkeydown = (event) => {
-  const keys = {ArrowLeft: () => turn(0.1, 0), ArrowRight: () => turn(-0.1, 0), ArrowUp: () => turn(0, 0.1), ArrowDown: () => turn(0, -0.1),
+  if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === 'z') $(event.shiftKey ? 'redo' : 'undo').click();
+  const keys = {Delete: () => $('comb-drop').click(), ArrowLeft: () => turn(0.1, 0), ArrowRight: () => turn(-0.1, 0), ArrowUp: () => turn(0, 0.1), ArrowDown: () => turn(0, -0.1),
     '+': () => zoom(0.9), '-': () => zoom(1.1), ' ': () => play(!playing), '.': () => $('step').click()};
   if (!keys[event.key]) return;
   event.preventDefault();
@@ -335,16 +340,16 @@ $('toml').onclick = () => (setups[shownSetup] ? copy(setups[shownSetup], 'setup'
 document.addEventListener('dragover', (event) => event.preventDefault());
 document.addEventListener('drop', async (event) => {
   event.preventDefault();
-  const file = event.dataTransfer.files[0];
+  const files = [...event.dataTransfer.files], file = files[0];
   if (!file) return;
   if (file.name.endsWith('.peltinput')) {
     showFault('');
     return tell({recording: {name: file.name, bytes: new Uint8Array(await file.arrayBuffer())}});
   }
-  if (!file.name.endsWith('.toml')) return showFault(`${file.name}: a setup (.toml) or a recording (.peltinput) can be dropped here`);
+  if (!files.some(({name}) => /\.(toml|zip)$/i.test(name)))
+    return showFault(`${file.name}: a setup (.toml) with its maps, a .zip of them or a recording (.peltinput) can be dropped here`);
   if (described?.recording) return showFault(`${file.name}: a recording has no setup that could be another`);
-  showFault('');
-  tell({setup: [await file.text(), shownSetup]});
+  await loadFiles(files);
 });
 
 open().catch((error) => showFault(String(error)));

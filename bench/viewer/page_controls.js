@@ -21,9 +21,12 @@ function makeControls() {
   if (described.setups.length > 1) addSetupChoice(addGroup('character', true));
   for (const layer of layers) {
     const group = addGroup(`layer ${layer.name}`, shown.has(`layer ${layer.name}`));
+    group.dataset.layer = layer.name;
     for (const row of rowsOf(layer)) addKey(group, layer, row, false);
   }
   find();
+  showCosts();
+  showGroom();
 }
 
 function addScorpion(group, shells) {

@@ -75,10 +75,12 @@ std::string MakePage(const PageContent& content) {
       {"@module@", Base64(EmbeddedModule())},
       {"@plain@", Base64(EmbeddedPlainModule())},
       {"@given@", GivenText(content)},
-      {"@worker@", std::string(FileText("webgl.js")) + std::string(FileText("worker.js"))},
-      {"@script@", std::string(FileText("page.js")) + std::string(FileText("page_controls.js")) +
-                       std::string(FileText("page_watch.js")) +
-                       std::string(FileText("page_consoles.js"))}};
+      {"@worker@", std::string(FileText("webgl.js")) + std::string(FileText("worker.js")) +
+                       std::string(FileText("worker_groom.js"))},
+      {"@script@",
+       std::string(FileText("page.js")) + std::string(FileText("page_controls.js")) +
+           std::string(FileText("page_watch.js")) + std::string(FileText("page_zip.js")) +
+           std::string(FileText("page_groom.js")) + std::string(FileText("page_consoles.js"))}};
   std::string page(FileText("page.html"));
   for (const auto& [mark, text] : parts) page.replace(page.find(mark), mark.size(), text);
   return page;

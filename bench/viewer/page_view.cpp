@@ -105,4 +105,24 @@ PageJson DescribeStages(const FurScene& scene, const FrameRecording& times) {
   return stages;
 }
 
+PageJson DescribeLayerCosts(const Scenario& scenario, const FurScene& scene,
+                            const FrameRecording& times) {
+  const SceneShape& shape = scene.shape();
+  std::vector<uint64_t> ticks(shape.layer_count);
+  for (uint32_t s = 0; s < scene.plan().stages.size(); ++s) {
+    const Domain domain = scene.plan().stages[s].domain;
+    if (domain < Domain::kLayer) continue;  // of the scene or a whole character
+    for (uint32_t i = 0; i < shape.ItemCount(domain); ++i)
+      if (const Slice slice = times.Stage(s, i); slice.Ran())
+        ticks[shape.LayerOf(domain, i)] += slice.Ticks();
+  }
+  PageJson costs(scenario.setups.size(), PageJson::object());
+  for (uint32_t l = 0; l < shape.layer_count; ++l) {
+    PageJson& of_setup = costs[scenario.actors[shape.layer_character[l]].groom];
+    const std::string name(scene.LayerName(l));
+    of_setup[name] = of_setup.value(name, 0.0) + double(ticks[l]) * times.NsPerTick();
+  }
+  return costs;
+}
+
 }  // namespace pelt

@@ -62,14 +62,14 @@ std::unique_ptr<PictureMaps> MapsFor(const Scenario& scenario, const PageSetting
   return std::make_unique<PictureMaps>(scenario, std::span(&kAll, size_t(relief)));
 }
 
-// Where the ray meets the triangle: how far on, or less than 0.
-float Meet(const PageRay& ray, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+// Where the ray meets the triangle: how far on, or less than 0; and the shares of b and c there.
+glm::vec3 Meet(const PageRay& ray, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
   const glm::vec3 ab = b - a, ac = c - a, across = glm::cross(ray.along, ac);
   const float volume = glm::dot(ab, across);
-  if (std::abs(volume) < 1e-12f) return -1.0f;
+  if (std::abs(volume) < 1e-12f) return {-1.0f, 0.0f, 0.0f};
   const glm::vec3 from = ray.from - a, over = glm::cross(from, ab);
   const float u = glm::dot(from, across) / volume, v = glm::dot(ray.along, over) / volume;
-  return u < 0.0f || v < 0.0f || u + v > 1.0f ? -1.0f : glm::dot(ac, over) / volume;
+  return {u < 0.0f || v < 0.0f || u + v > 1.0f ? -1.0f : glm::dot(ac, over) / volume, u, v};
 }
 
 }  // namespace
@@ -86,6 +86,7 @@ void Viewer::Load() {
   maps_ = std::move(maps);
   settings_ = std::move(settings);
   scenario_ = std::move(scenario);
+  ++loads_;
   last_input_.reset();
   ForgetPoses();
 }
@@ -239,7 +240,7 @@ const char* Viewer::Step() {
   if (const char* fault = scene().BeginFrame(input)) return fault;
   caller_ms_ = double(ElapsedNs(start)) * 1e-6;
   Frame frame = scene().CurrentFrame();
-  if (next_frame_ % kFramesAProfile == 0) frame.profile = times_->profile();
+  if (next_frame_ % kFramesAProfile == 0 || !is_begun_) frame.profile = times_->profile();
   SerialExecutor executor;
   executor.Run(frame);
   frame_ms_ = double(ElapsedNs(start)) * 1e-6;
@@ -249,31 +250,65 @@ const char* Viewer::Step() {
   return nullptr;
 }
 
+// What of the camera places in the picture depend on: axes, and half of the picture's extent a metre in front of the eye.
+Viewer::Lens Viewer::FindLens() const {
+  Lens lens;
+  lens.eye = VecOfPlace(last_camera_.eye);
+  lens.ahead = glm::normalize(VecOfPlace(last_camera_.target) - lens.eye);
+  lens.right = glm::normalize(glm::cross(lens.ahead, VecOfPlace(last_camera_.up)));
+  lens.up = glm::cross(lens.right, lens.ahead);
+  lens.height = std::tan(0.5 * double(last_camera_.vertical_fov_rad));
+  lens.width = lens.height * width_px_ / height_px_;
+  return lens;
+}
+
 PageRay Viewer::RayAt(double x, double y) const {
-  const glm::vec3 eye = VecOfPlace(last_camera_.eye);
-  const glm::vec3 ahead = glm::normalize(VecOfPlace(last_camera_.target) - eye);
-  const glm::vec3 right = glm::normalize(glm::cross(ahead, VecOfPlace(last_camera_.up)));
-  const glm::vec3 up = glm::cross(right, ahead);
-  const double height = std::tan(0.5 * double(last_camera_.vertical_fov_rad));
-  const double width = height * width_px_ / height_px_;
-  return {eye, glm::normalize(ahead + right * float((2.0 * x - 1.0) * width) +
-                              up * float((1.0 - 2.0 * y) * height))};
+  const Lens lens = FindLens();
+  return {lens.eye, glm::normalize(lens.ahead + lens.right * float((2.0 * x - 1.0) * lens.width) +
+                                   lens.up * float((1.0 - 2.0 * y) * lens.height))};
+}
+
+glm::vec3 Viewer::ShareOf(const glm::vec3& place) const {
+  const Lens lens = FindLens();
+  const glm::vec3 to = place - lens.eye;
+  const float depth = glm::dot(to, lens.ahead);
+  const float reach = std::max(depth, 1e-6f);
+  return {0.5f + 0.5f * glm::dot(to, lens.right) / (reach * float(lens.width)),
+          0.5f - 0.5f * glm::dot(to, lens.up) / (reach * float(lens.height)), depth};
+}
+
+std::span<const Body> Viewer::Bodies() const {
+  if (!posed().empty()) return posed();
+  if (!bodies_.empty()) return bodies_;
+  for (uint32_t a = 0; a < scenario_->actors.size(); ++a)
+    bodies_.push_back(PoseBody(*scenario_, running_->scene(), a,
+                               maps_->SurfaceOf(scenario_->actors[a].character), nullptr, {},
+                               &maps_->SkinOf(*scenario_, running_->scene(), a)));
+  return bodies_;
+}
+
+std::optional<Viewer::Hit> Viewer::FindHit(const PageRay& ray) const {
+  std::optional<Hit> nearest;
+  float least = 1e30f;
+  const std::span<const Body> bodies = Bodies();
+  for (uint32_t a = 0; a < bodies.size(); ++a) {
+    const auto& triangles = bodies[a].character->mesh.triangles;
+    for (uint32_t t = 0; t < triangles.size(); ++t) {
+      const auto& [p, q, r] = triangles[t];
+      const std::vector<glm::vec3>& at = bodies[a].position;
+      const glm::vec3 met = Meet(ray, at[p], at[q], at[r]);
+      if (!(met.x > 0.0f && met.x < least)) continue;
+      least = met.x;
+      nearest = Hit{ray.from + met.x * ray.along, a, {t, {1.0f - met.y - met.z, met.y, met.z}}};
+    }
+  }
+  return nearest;
 }
 
 std::optional<glm::vec3> Viewer::Pick(const PageRay& ray) const {
-  float nearest = 1e30f;
-  for (uint32_t a = 0; a < scenario_->actors.size(); ++a) {
-    const Body body =
-        PoseBody(*scenario_, running_->scene(), a, maps_->SurfaceOf(scenario_->actors[a].character),
-                 nullptr, {}, &maps_->SkinOf(*scenario_, running_->scene(), a));
-    for (const auto& triangle : body.character->mesh.triangles) {
-      const float at = Meet(ray, body.position[triangle[0]], body.position[triangle[1]],
-                            body.position[triangle[2]]);
-      if (at > 0.0f && at < nearest) nearest = at;
-    }
-  }
-  if (nearest == 1e30f) return std::nullopt;
-  return ray.from + nearest * ray.along;
+  const auto hit = FindHit(ray);
+  if (!hit) return std::nullopt;
+  return hit->position;
 }
 
 PictureScene Viewer::GatherFrame() const {
@@ -336,7 +371,8 @@ std::string Viewer::LastFrame() const {
       {"caller_ms", caller_ms_},
       {"drawn", scene.DrawnStrands()},
       {"live", scene.LiveStrands()},
-      {"stages", DescribeStages(scene, *times_)}};
+      {"stages", DescribeStages(scene, *times_)},
+      {"layer_ns", DescribeLayerCosts(*scenario_, scene, *times_)}};
   return json.dump();
 }
 

@@ -62,8 +62,23 @@ class Viewer final : public PageView {
 
   // Of the pixel as it was drawn last, 0 to 1 from the left and from the top.
   PageRay RayAt(double x, double y) const;
+  // Where in the picture a place of the world is: the same shares, and how far in front of the eye, m.
+  glm::vec3 ShareOf(const glm::vec3& place) const;
   // Where the ray meets the characters first.
+  struct Hit {
+    glm::vec3 position;  // world
+    uint32_t actor;
+    SurfacePoint place;
+  };
+  std::optional<Hit> FindHit(const PageRay& ray) const;
   std::optional<glm::vec3> Pick(const PageRay& ray) const;
+  // As they stand in the last frame, one for each actor; good until the next.
+  std::span<const Body> Bodies() const;
+  // How high the picture is so far in front of the eye, m.
+  double HeightAt(double depth_m) const { return 2.0 * depth_m * FindLens().height; }
+  const Scenario& scenario() const { return *scenario_; }
+  // How many scenarios there were.
+  uint64_t loads() const { return loads_; }
 
   PictureScene Gather(float share = 1.0f) const override;
   bool HasInBetween() const override { return before_.HasFrame(); }
@@ -74,6 +89,15 @@ class Viewer final : public PageView {
   uint64_t run_digest() const { return run_digest_.Value(); }
 
  private:
+  struct Lens {
+    glm::vec3 eye, ahead, right, up;
+    double width, height;
+  };
+  Lens FindLens() const;
+  void ForgetPoses() {
+    bodies_.clear();
+    PageView::ForgetPoses();
+  }
   const Camera& StandFor(const Camera& own);
   PictureScene GatherFrame() const;
   void Light(PictureScene& shown) const override;
@@ -89,6 +113,8 @@ class Viewer final : public PageView {
   std::unique_ptr<PageSettings> settings_;
   std::map<const PageEntry*, double> set_;  // by the user, for the scenario that comes next
   std::unique_ptr<PictureMaps> maps_;
+  mutable std::vector<Body> bodies_;  // of Bodies(), where no picture has them
+  uint64_t loads_ = 0;
   std::unique_ptr<RunningScenario> running_;
   std::unique_ptr<FrameRecording> times_;
   FrameBlend before_;  // of pictures in between

@@ -4,7 +4,7 @@ let exported, renderer = '', canvas, gl, api, compiled, request, playing = false
 let size = [640, 480, 1], slow_motion = 1, dt_s = 1 / 60, drawn_ms = 0, stdout = '', paint = null;
 // What was set since the page opened, for a module that has to begin again; and the recording that is shown, {name, bytes}.
 let kept = {settings: {}, camera: null};
-const asOpened = () => ({settings: {}, camera: null, setups: [], recording: request.recording ?? null});
+const asOpened = () => ({settings: {}, camera: null, setups: [], keys: [], files: {}, maps: {}, recording: request.recording ?? null});
 
 const decoder = new TextDecoder(), encoder = new TextEncoder();
 const memory = () => exported.memory;
@@ -83,7 +83,7 @@ async function start() {
     (env[from] ??= {})[name] = from === 'gl' ? (...numbers) => api[name](...numbers) : wasi[name] ?? (() => kNotHere);
   exported = (await WebAssembly.instantiate(compiled, env)).exports;
   exported._initialize?.();
-  for (const [path, content] of Object.entries(request.files ?? {})) call('GiveFile', path, content);
+  for (const [path, content] of Object.entries({...request.files, ...kept.files})) call('GiveFile', path, content);
   if (kept.recording) {
     const refused = openRecording(kept.recording);
     if (refused) throw new Error(refused);
@@ -94,6 +94,7 @@ async function start() {
   renderer = gl ? result(exported.OpenRenderer()) : 'this browser has no WebGL2: frames run, and nothing is drawn';
   for (const [key, value] of Object.entries(kept.settings)) call('Set', key, value);
   if (kept.camera) call('SetCamera', ...kept.camera);
+  endDrags();
   describe();
 }
 
@@ -139,6 +140,7 @@ function report() {
   // A recording's frames have their own.
   dt_s = frame.dt_s || dt_s;
   postMessage({frame, draw_ms: drawn_ms, pages: memory().buffer.byteLength});
+  if (combing) showCombs();
 }
 
 // A module that stopped begins again, with what was set before.
@@ -237,6 +239,7 @@ const handlers = {
   // Everything as it was when the page was opened.
   reset: async () => {
     kept = asOpened();
+    forgetEdits();
     await start();
     handlers.restart(1);
   },
@@ -249,15 +252,14 @@ const handlers = {
     if (key === 'kernels' && !playing) handlers.step(1);
     dirty = true;
   },
-  key: ([layer, key, value, setup]) => {
-    call('ChangeKey', setup, layer, key, value);
-    kept.setups[setup] = result(exported.SetupText(setup));
+  key: (change, label = `${change[3]} ${change[0]} ${change[1]}`) => {
+    const [layer, key, value, setup] = change;
+    edit(setup, label, () => call('ChangeKey', setup, layer, key, value), keysWith(change));
     postMessage({setups: {[setup]: kept.setups[setup]}});
     if (!playing) handlers.step(1);
   },
   setup: ([text, setup]) => {
-    call('ReplaceSetup', setup, text);
-    kept.setups[setup] = text;
+    edit(setup, '', () => call('ReplaceSetup', setup, text));
     describe();
     if (!playing) handlers.step(1);
   },
@@ -268,6 +270,9 @@ const handlers = {
     if (Object.keys(files).length === 0) return;
     const own = setup === undefined ? kept.setups : [];
     Object.assign(request.files, files);
+    for (const path of Object.keys(files)) delete kept.files[path];
+    if (setup !== undefined) kept.keys = [];
+    forgetEdits();
     kept.setups = [];  // a module that has to begin again begins with what the files have
     for (const [path, content] of Object.entries(files)) call('GiveFile', path, content);
     call('ReplaceSetup', 0, setup ?? (own[0] || result(exported.SetupText(0)) || ''));
@@ -288,7 +293,8 @@ const handlers = {
   recording: (recording) => {
     const refused = openRecording(recording);
     if (refused) return postMessage({fault: refused});
-    kept = {settings: {}, camera: null, setups: [], recording};
+    kept = {...asOpened(), recording};
+    forgetEdits();
     slow_motion = 1;
     paint = null;
     postMessage({replaced: true});

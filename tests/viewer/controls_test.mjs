@@ -2,7 +2,7 @@
 //
 // Every key of every layer by its control, setups of many characters, and fingers. Exit code 77: no module.
 import fs from 'node:fs';
-import {PageTests, click, differing, frame, pixels, set, settled, step, textOf, verdict} from './shown_page.mjs';
+import {PageTests, click, differing, frame, pixels, set, settled, step, textOf, touch, verdict} from './shown_page.mjs';
 
 const tests = new PageTests();
 const check = tests.check.bind(tests);
@@ -124,14 +124,8 @@ async function keys() {
   tests.noErrors(page);
 }
 
-// A finger, or two, as a touch screen reports them: places in shares of the canvas.
 async function touches(page, ...steps) {
-  const at = await page.evaluate(`(({x, y, width, height}) => [x, y, width, height])(document.getElementById('picture').getBoundingClientRect())`);
-  const send = (type, places) => page.send('Input.dispatchTouchEvent', {type, touchPoints: places.map(([x, y], id) => ({x: at[0] + x * at[2], y: at[1] + y * at[3], id}))});
-  await send('touchStart', steps[0]);
-  for (const places of steps.slice(1)) await send('touchMove', places);
-  await send('touchEnd', []);
-  await settled(page);
+  await touch(page, ...steps);
   return page.evaluate('changes.camera && orbit');
 }
 

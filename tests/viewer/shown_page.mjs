@@ -36,8 +36,11 @@ export class PageTests {
   }
   // The page of a scene, with the native digests of so many frames. Ends the tests where the program has no module.
   write(scene, frames = 24) {
-    const file = this.file(`${scene}.html`);
-    const tried = spawnSync(this.pelt, ['view', '--scene', scene, '--frames', String(frames), '--out', file], {encoding: 'utf8'});
+    return this.writeOf(scene, '--scene', scene, '--frames', String(frames));
+  }
+  writeOf(name, ...args) {
+    const file = this.file(`${name}.html`);
+    const tried = spawnSync(this.pelt, ['view', ...args, '--out', file], {cwd: this.work, encoding: 'utf8'});
     if (tried.status !== 0) this.skipWithout(tried.stderr);
     return file;
   }
@@ -134,6 +137,36 @@ export async function settled(page, ...messages) {
   })`);
 }
 export const step = (page, count) => settled(page, {step: count});
+// Shares of the canvas, as the browser has them.
+async function placesOn(page) {
+  const [x, y, width, height] = await page.evaluate(`(({x, y, width, height}) => [x, y, width, height])(document.getElementById('picture').getBoundingClientRect())`);
+  return ([shareX, shareY]) => ({x: x + shareX * width, y: y + shareY * height});
+}
+// A finger, or two, as a touch screen reports them: of each step its places.
+export async function touch(page, ...steps) {
+  const place = await placesOn(page);
+  const send = (type, places) => page.send('Input.dispatchTouchEvent', {type, touchPoints: places.map((at, id) => ({...place(at), id}))});
+  await send('touchStart', steps[0]);
+  for (const places of steps.slice(1)) await send('touchMove', places);
+  await send('touchEnd', []);
+  await settled(page);
+}
+// The mouse with its button held, from the first place to the last.
+export async function drag(page, ...places) {
+  const place = await placesOn(page);
+  const send = (type, at, buttons) => page.send('Input.dispatchMouseEvent', {type, ...place(at), buttons, button: 'left', clickCount: 1});
+  await send('mousePressed', places[0], 1);
+  for (const at of places.slice(1)) await send('mouseMoved', at, 1);
+  await send('mouseReleased', places.at(-1), 0);
+  await settled(page);
+}
+// What a user drops onto the page.
+export const drop = (page, name, bytes) => page.evaluate(`(() => {
+  const bytes = Uint8Array.from(atob('${bytes.toString('base64')}'), (c) => c.charCodeAt(0));
+  const transfer = new DataTransfer();
+  transfer.items.add(new File([bytes], '${name}'));
+  document.dispatchEvent(new DragEvent('drop', {dataTransfer: transfer, cancelable: true}));
+})()`);
 // What a user does to a control, by its row.
 export async function set(page, key, value) {
   await page.evaluate(`(() => {

@@ -4,7 +4,7 @@
 // can be taken back, and what is wrong is reported. Exit code 77: this program has no module.
 import {spawnSync} from 'node:child_process';
 import fs from 'node:fs';
-import {PageTests, click, differing, frame, pixels, pixelsOfPng, psnr, set, settled, step, textOf, verdict} from './shown_page.mjs';
+import {PageTests, click, differing, drop, frame, pixels, pixelsOfPng, psnr, set, settled, step, textOf, verdict} from './shown_page.mjs';
 
 const tests = new PageTests();
 const check = tests.check.bind(tests);
@@ -162,13 +162,6 @@ async function monster() {
   tests.noErrors(page);
 }
 
-// What a user drops onto the page.
-const drop = (page, name, bytes) => page.evaluate(`(() => {
-  const bytes = Uint8Array.from(atob('${bytes.toString('base64')}'), (c) => c.charCodeAt(0));
-  const transfer = new DataTransfer();
-  transfer.items.add(new File([bytes], '${name}'));
-  document.dispatchEvent(new DragEvent('drop', {dataTransfer: transfer, cancelable: true}));
-})()`);
 const digest = (page) => textOf(page, 'digest');
 const fault = (page) => textOf(page, 'fault');
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The page of `pelt view` in a browser, by PART_test.mjs: view_test.sh PELT WORK_DIR view|controls|watch
+# The page of `pelt view` in a browser, by PART_test.mjs: view_test.sh PELT WORK_DIR view|controls|watch|groom
 set -uo pipefail
 pelt=$(realpath "$1")
 mkdir -p "$2"
