@@ -19,7 +19,7 @@ namespace {
 
 using Json = PageJson;
 
-// An arrow is as long as this share of its reach, and a reach that is drawn at least so far, m. Shorter drags are a tap.
+// An arrow is as long as this share of its reach, which is drawn in these bounds, m. A shorter drag is a tap.
 constexpr float kArrowShare = 0.5f, kLeastReach = 0.01f, kMostReach = 1000.0f, kTap = 0.002f;
 constexpr uint32_t kLeastSide = 64, kMostSide = 1024;
 constexpr double kMostDabs = 64.0, kDabsARadius = 3.0;

@@ -1,5 +1,6 @@
 // What an artist does to a setup on the page: comb vectors drawn on the skin, and maps painted over it. Places of the
-// pointer are shares of the picture as it was drawn last, from the left and from the top. Setups are the scene's, by number.
+// pointer are shares of the picture as it was drawn last, from the left and from the top. Setups are the scene's, by
+// number.
 #pragma once
 
 #include <optional>
@@ -17,12 +18,12 @@ class GroomTools {
   // Which must outlive it.
   explicit GroomTools(Viewer& viewer) : viewer_(viewer) {}
 
-  // JSON of a layer's comb vectors on the first character that has the setup: `position`, `direction` and `reach` as the
-  // setup has them, `root` and `tip` in the picture, `ring` (the reach in heights of the picture), `lift` above the skin in
-  // degrees, and whether the skin `faces` the eye.
+  // JSON of a layer's comb vectors on the first character that has the setup: `position`, `direction` and `reach` as
+  // the setup has them, `root` and `tip` in the picture, `ring` (the reach in heights of the picture), `lift` above the
+  // skin in degrees, and whether the skin `faces` the eye.
   std::string DescribeCombs(size_t setup, std::string_view layer);
-  // One of them, {position, direction, reach}, changed by the pointer: its root follows, or its tip, which gives direction
-  // and reach; so many degrees above the skin. "null" where a root would be beside the skin.
+  // One of them, {position, direction, reach}, changed by the pointer: its root follows, or its tip, which gives
+  // direction and reach; so many degrees above the skin. "null" where a root would be beside the skin.
   enum class CombPart { kRoot, kTip };
   std::string MoveComb(size_t setup, std::string_view vector, CombPart part, double x, double y,
                        double lift);

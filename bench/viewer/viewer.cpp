@@ -250,7 +250,7 @@ const char* Viewer::Step() {
   return nullptr;
 }
 
-// What of the camera places in the picture depend on: axes, and half of the picture's extent a metre in front of the eye.
+// The camera's axes, and half of the picture's extent a metre in front of the eye.
 Viewer::Lens Viewer::FindLens() const {
   Lens lens;
   lens.eye = VecOfPlace(last_camera_.eye);

@@ -258,11 +258,6 @@ const handlers = {
     postMessage({setups: {[setup]: kept.setups[setup]}});
     if (!playing) handlers.step(1);
   },
-  setup: ([text, setup]) => {
-    edit(setup, '', () => call('ReplaceSetup', setup, text));
-    describe();
-    if (!playing) handlers.step(1);
-  },
   // Files that are other now, and `setup`, where its own is among them; of none only how many digests are known.
   files: ({files, setup, compared}) => {
     request.compared = compared;

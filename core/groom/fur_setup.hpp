@@ -313,7 +313,7 @@ LightsSetup ReadLightsFile(const std::string& path);
 std::string ChangeLayerKey(std::string_view text, const std::string& path, std::string_view layer,
                            std::string_view key, std::string_view value);
 // The same of the map of a key: of an attribute ("length"), a map ("colour_map") or one in a table ("mask.bald"). `map`
-// is a path without quotes in it. What else the key says stays, and what [defaults] says of it comes along into the layer.
+// is a path without quotes in it. What else the key says stays; what [defaults] says of it comes along into the layer.
 std::string ChangeLayerMap(std::string_view text, const std::string& path, std::string_view layer,
                            std::string_view key, std::string_view map);
 

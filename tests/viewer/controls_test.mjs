@@ -54,7 +54,7 @@ const kTryLayer = `async (layer, frames) => {
     const digest = await digestOfRun();
     found.push({key, text, to, digest, fault});
     // A colour that the setup does not say is the mesh's own, which none of a control is.
-    if (input.type === 'color') tell({setup: [own, 0]});
+    if (input.type === 'color') tell({load: {setup: 0, text: own, files: {}}});
     else if (!fault) put(key, from);
   }
   return {found, back: await digestOfRun()};
