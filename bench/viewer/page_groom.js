@@ -1,7 +1,7 @@
 // ---- Grooming: comb vectors on the skin, maps painted over it, undo, save and load ------------------------------------
 
 // Maps that are painted: a name, the layer's key, and what stands where there is no map yet.
-const kMaps = [['density', 'density', 1], ['length', 'length', 1], ['width', 'width', 1], ['bald', 'mask.bald', 0]];
+const kMaps = [['density', 'density', 1], ['length', 'length', 1], ['width', 'width', 1], ['bald', 'mask.bald', 0], ['type', 'type_map', 0]];
 const kMapSides = [64, 128, 256, 512, 1024];
 // How near a handle is to a pointer that takes it, of a finger's size.
 const kGrab_px = 24;
