@@ -62,6 +62,7 @@ with open(os.path.join(folder, 'README.md'), encoding='utf-8') as readme:
 faults, held = ([] if commands else ['bench/picture/README.md: no commands']), set()
 os.makedirs('looks', exist_ok=True)
 for command in commands:
+    command = command.replace('../', os.path.dirname(folder) + '/')
     file = re.search(r'--(?:picture|animation|steps) (\S+\.png)', command)[1]
     held.add(file)
     done = subprocess.run([pelt, *shlex.split(command), '--no-digest'], capture_output=True, text=True)
