@@ -11,6 +11,7 @@ run_examples() {
 }
 run_quick_examples() { run_examples_of bake run plan report trace diff golden timing budget conformance compare show; }
 run_examples_of() {
+  cp "$source_dir/bench/scenarios/examples/tufts.png" photo.png  # hairs side by side, with alpha
   local count=0 subcommands=("$@")
   # The listing that `pelt timing --help` shows.
   printf 'loop: lqd $4, 0($3); fa $4, $4, $5; ai $7, $7, -1\n stqd $4, 0($3); ai $3, $3, 16; brnz $7, loop\n' >add.s
