@@ -212,10 +212,9 @@ SceneShadows::SceneShadows(const PictureScene& scene)
   for (size_t i = 0; i < scene.layers.size(); ++i)
     for (const Hair& hair : scene.layers[i])
       for (uint32_t k = 1; k < hair.knots && hair.shadow > 0.0f; ++k)
-        maps_[hair.actor].AddHair(hair.knot[k - 1].at, hair.knot[k].at,
-                                  hair.knot[k].width * hair.shadow,
-                                  OpacityOf(hair, k, scene.strips[i].get()),
-                                  scene.draws[i].look->shadow_alpha);
+        maps_[hair.actor].AddHair(
+            hair.knot[k - 1].at, hair.knot[k].at, hair.knot[k].width * hair.shadow,
+            OpacityOf(hair, k, scene.strips[i].get()), scene.draws[i].look->shadow_alpha);
   for (size_t i = 0; i < scene.draws.size(); ++i)
     AddShells(scene.draws[i], scene.textures[i], maps_[scene.actors[i]]);
   for (ShadowMap& map : maps_) map.Soften(kSoftTexels);
