@@ -75,7 +75,10 @@ TEST(VerifyRandom, NamesSeedStageAndKeysOfWhatIsPlanted) {
   options.filter = [](const VerifyCase& c) { return c.isa == BestIsa(); };
   options.tamper = Planting("roots", TurnARoot);
   options.stop_at_failure = true;
-  const VerifyReport report = VerifyRandom(3, 7, options);
+  // In scenes with origins of characters a stage before the roots moves what they change.
+  uint64_t first = 7;
+  while (DrawScene(first).scenario.origins) ++first;
+  const VerifyReport report = VerifyRandom(3, first, options);
   ASSERT_FALSE(report.Passed());
   const CheckResult& found = report.checks.back();
   EXPECT_FALSE(found.passed);
@@ -83,7 +86,7 @@ TEST(VerifyRandom, NamesSeedStageAndKeysOfWhatIsPlanted) {
   EXPECT_NE(found.reason.find("row normal[1], lane 0"), std::string::npos) << found.reason;
   EXPECT_NE(found.reason.find("; its keys: "), std::string::npos) << found.reason;
   // The same alone, from its own seed.
-  const uint64_t seed = 6 + report.checks.size();
+  const uint64_t seed = first - 1 + report.checks.size();
   EXPECT_EQ(found.section, "seed " + std::to_string(seed));
   const VerifyReport alone = VerifyRandom(1, seed, options);
   ASSERT_EQ(alone.checks.size(), 1u);

@@ -138,7 +138,7 @@ TEST(VerifyWaking, ChangedLayersHiddenFromSleepersAreFound) {
 // Wind keeps no chunk awake: only its beginning and its end wake, which change the layer's flags.
 void ActivateWithoutWind(const void* params, const Binding* bindings) {
   LayerBlock layer = *healthy.As<const LayerBlock>(bindings, StreamOf<&Streams::layers>);
-  layer.flags &= ~uint32_t(kLayerWind);
+  layer.flags &= ~uint32_t(kLayerWind | kLayerBlows);
   healthy.RunWith(params, bindings, StreamOf<&Streams::layers>, &layer);
 }
 
