@@ -78,9 +78,9 @@ PELT_INLINE void LimitBends(W least_cosine, const Vec3<W> (&rest)[kFree], Vec3<W
 struct LayerTerms {
   static constexpr bool kOfLanes = false;
   const LayerBlock& layer;
-  PELT_INLINE float Hardness(float hardness, uint32_t) const { return hardness; }
+  PELT_INLINE static float Hardness(float hardness, uint32_t) { return hardness; }
   PELT_INLINE float Keep(float) const { return layer.link.velocity_keep; }
-  PELT_INLINE float Weight(float amount) const { return amount; }
+  PELT_INLINE static float Weight(float amount) { return amount; }
   PELT_INLINE float Bounce() const { return layer.bounce; }
   PELT_INLINE float Clump() const { return layer.clump; }
   template <class Points>
